@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Posed frame in, changed blocks out: the one interface behind which the integrators (and later the CUDA twin) stand.
+// Thread: all calls from the mapper thread. After construction integrate() allocates nothing.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "hal/messages.hpp"
+#include "mapper/rgbo.hpp"
+#include "mapper/voxel_map.hpp"
+
+namespace g3d::mapper {
+
+enum class IntegratorKind : std::uint8_t { dda, bresenham, projective };
+enum class MapMode : std::uint8_t {
+  static_mode,   ///< registers only occupied voxels
+  dynamic_mode,  ///< occupied, free, and (by absence) unknown
+};
+[[nodiscard]] const char* to_string(IntegratorKind kind);
+[[nodiscard]] const char* to_string(MapMode mode);
+[[nodiscard]] std::optional<IntegratorKind> integrator_from_string(std::string_view name);
+[[nodiscard]] std::optional<MapMode> mode_from_string(std::string_view name);
+
+struct MapperConfig {
+  float resolution_m = 0.05F;         ///< 0.002..1
+  IntegratorKind integrator = IntegratorKind::projective;
+  MapMode mode = MapMode::dynamic_mode;
+  UpdateSteps steps;
+  float near_m = 0.8F;                ///< certainty bounds: depth z of a trusted reading
+  float far_m = 3.5F;
+  float mask_depth_m = 3.0F;          ///< free scan mask made from the intrinsics, when none was recorded
+  bool carve_invalid = true;          ///< false: pixels without a reading carve nothing
+  bool with_colour = true;
+  int threads = 1;                    ///< 1..64, the calling thread included
+  MapCapacity capacity;
+};
+
+enum class FrameStatus : std::uint8_t {
+  integrated,
+  pool_full,     ///< integrated as far as memory allowed; see FrameReport::refused_blocks
+  out_of_range,  ///< the camera stands outside of the 16-bit grid: nothing was changed
+};
+
+struct FrameReport {
+  FrameStatus status = FrameStatus::integrated;
+  std::uint32_t valid_pixels = 0;      ///< readings within the certainty bounds
+  std::uint32_t too_near_pixels = 0;   ///< readings nearer than near_m: for navigation
+  std::uint32_t far_pixels = 0;
+  std::uint32_t invalid_pixels = 0;
+  std::uint32_t hit_voxels = 0;
+  std::uint32_t refused_blocks = 0;
+};
+
+class Mapper {
+ public:
+  /// `scan_mask`: width * height raw depths up to which a pixel without reading may carve; empty = from the intrinsics.
+  Mapper(const MapperConfig& config, const hal::CameraModel& camera, std::span<const std::uint16_t> scan_mask = {});
+  ~Mapper();
+  Mapper(const Mapper&) = delete;
+  Mapper& operator=(const Mapper&) = delete;
+
+  /// One frame changes a voxel at most once. The frame's images have the size of `camera`.
+  FrameReport integrate(const hal::Frame& frame, const hal::Pose& T_world_camera);
+
+  /// Takes the robot's own footprint as free: a vertical cylinder standing on `base`. For the start, before any frame.
+  void free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m);
+
+  /// Slots of the blocks that the last integrate() changed, each once. Valid until the next call.
+  [[nodiscard]] std::span<const std::uint32_t> changed_slots() const;
+
+  [[nodiscard]] VoxelMap& map();
+  [[nodiscard]] const VoxelMap& map() const;
+  [[nodiscard]] const MapperConfig& config() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace g3d::mapper

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+# The machine that builds is the machine that runs: amd64 or arm64 Debian 12.
+CXX ?= g++
+AR ?= ar
+ARCH := $(shell uname -m)
+
+# Kernels are compiled once per instruction set; the program picks one at start.
+ifeq ($(ARCH),x86_64)
+KERNEL_VARIANTS := baseline avx2 avx512
+KERNEL_FLAGS_baseline :=
+KERNEL_FLAGS_avx2 := -mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mf16c
+KERNEL_FLAGS_avx512 := $(KERNEL_FLAGS_avx2) -mavx512f -mavx512bw -mavx512dq -mavx512vl -mprefer-vector-width=512
+else
+KERNEL_VARIANTS := baseline
+KERNEL_FLAGS_baseline :=
+endif
+
+STATIC := -static
