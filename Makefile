@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Every job is one word; `make help` lists them.
+# Every job is one word; `make help` lists them. Objects of each flavour (release, asan, tsan) live in their own folder.
 TOOLCHAIN ?= toolchain/host.mk
 include $(TOOLCHAIN)
 
@@ -7,42 +7,146 @@ BUILD ?= build/host
 OPT ?= -O3 -g1
 SANITIZE ?=
 CCACHE := $(shell command -v ccache 2>/dev/null)
+# ccache refuses precompiled headers unless told that their time stamps may be trusted.
+export CCACHE_SLOPPINESS ?= pch_defines,time_macros
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
-FLAGS := -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math -DFMT_HEADER_ONLY $(SANITIZE)
+FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE)
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 LIBS := -lpng -ljpeg -lzstd -lsodium -lz
+TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
-LIB_SRC := $(filter-out $(KERNEL_SRC),$(shell find board hal mapper nav net -name '*.cpp' | sort))
-TEST_SRC := $(shell find tests -name '*_test.cpp' | sort) tests/main.cpp
-TEST_SUPPORT_SRC := $(wildcard tests/support/*.cpp)
+ROOMS := $(wildcard board hal mapper nav net)
+LIB_SRC := $(filter-out $(KERNEL_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort))
+MAIN_SRC := $(wildcard main*.cpp)
+UNIT_SRC := $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' | sort)
+SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
+# Under the thread sanitizer only what starts threads is worth its time.
+THREAD_SRC := $(shell grep -l '\[threads\]' $(UNIT_SRC) /dev/null)
+SUPPORT_SRC := $(wildcard tests/support/*.cpp)
+FUZZ_SRC := $(sort $(wildcard tests/fuzz/*_fuzz.cpp))
+BENCH_SRC := $(sort $(wildcard tests/bench/*_bench.cpp))
 
-LIB_OBJ := $(LIB_SRC:%.cpp=$(BUILD)/%.o) \
-  $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
-TEST_OBJ := $(TEST_SRC:%.cpp=$(BUILD)/%.o) $(TEST_SUPPORT_SRC:%.cpp=$(BUILD)/%.o)
+objects = $(1:%.cpp=$(BUILD)/%.o)
+LIB_OBJ := $(call objects,$(LIB_SRC)) $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
+RUNNER_OBJ := $(call objects,tests/main.cpp $(SUPPORT_SRC))
+BENCH_EXE := $(BENCH_SRC:tests/bench/%.cpp=$(BUILD)/bench/%)
+FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
+EXE := $(BUILD)/g3dmap
+LIB := $(BUILD)/libg3dmap.a
+PCH := $(BUILD)/tests/precompiled.hpp
 
-.PHONY: all test clean
-all: $(BUILD)/g3dmap
+# One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
+ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
+  SANITIZE="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer"
+TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
+ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+FUZZ_RUNS ?= 20000
+SOAK_FUZZ_RUNS ?= 1000000
+TEST_ARGS ?=
 
-$(BUILD)/g3dmap: $(BUILD)/main.o $(BUILD)/libg3dmap.a
+.PHONY: all help unit-tests system-tests test asan tsan fuzz bench soak format lint tidy house clean \
+  build-test build-asan build-tsan fuzz-here tsan-run
+.DELETE_ON_ERROR:
+all: $(EXE) ## the program: build/host/g3dmap, one static executable
+
+help: ## this list
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
+
+$(EXE): $(call objects,$(MAIN_SRC)) $(LIB)
 	$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
-$(BUILD)/libg3dmap.a: $(LIB_OBJ)
+$(LIB): $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-$(BUILD)/unit_tests: $(TEST_OBJ) $(BUILD)/libg3dmap.a
-	$(CXX) $(FLAGS) -o $@ $^ -loctomap -loctomath $(LIBS)
+$(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(LIB)
+	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
-test: $(BUILD)/unit_tests $(BUILD)/g3dmap
-	$(BUILD)/unit_tests
+$(BUILD)/thread_tests: $(RUNNER_OBJ) $(call objects,$(THREAD_SRC)) $(LIB)
+	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+
+$(BUILD)/system_tests: $(RUNNER_OBJ) $(call objects,$(SYSTEM_SRC)) $(LIB)
+	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+
+build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
+unit-tests: $(BUILD)/unit_tests ## unit tests alone
+	$(BUILD)/unit_tests $(TEST_ARGS)
+system-tests: $(BUILD)/system_tests $(EXE) ## tests that run the built program
+	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests $(TEST_ARGS)
+test: unit-tests system-tests ## unit and system tests
+
+build-asan:
+	$(MAKE) $(ASAN) build/asan/unit_tests
+asan: build-asan ## unit tests under address and undefined-behaviour sanitizer
+	$(ASAN_ENV) build/asan/unit_tests $(TEST_ARGS)
+
+build-tsan:
+	$(MAKE) $(TSAN) build/tsan/thread_tests build/tsan/g3dmap
+tsan: build-tsan ## threaded tests and a whole run under thread sanitizer
+	$(TSAN_ENV) build/tsan/thread_tests "[threads]" $(TEST_ARGS)
+	$(TSAN_ENV) tests/system/tsan_run build/tsan/g3dmap
+
+fuzz: ## every reader of outside data, FUZZ_RUNS inputs each (clang)
+	$(MAKE) $(ASAN) FUZZ_RUNS=$(FUZZ_RUNS) fuzz-here
+fuzz-here: $(FUZZ_EXE)
+	$(ASAN_ENV) tests/fuzz/run $(BUILD)/fuzz $(FUZZ_RUNS)
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(LIB)
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
+
+bench: $(BENCH_EXE) ## every benchmark in tests/bench
+	@for program in $(BENCH_EXE); do echo "== $$program"; $$program $(BENCH_ARGS) || exit 1; done
+$(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(call objects,$(SUPPORT_SRC)) $(LIB)
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
+
+soak: build-test ## the long runs: tests tagged [.soak], SOAK_FUZZ_RUNS inputs per fuzz target
+	$(BUILD)/unit_tests "[.soak]"
+	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests "[.soak]"
+	$(MAKE) fuzz FUZZ_RUNS=$(SOAK_FUZZ_RUNS)
+
+SOURCES = $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
+TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline
+format: ## clang-format in place
+	clang-format -i $(SOURCES)
+house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
+	clang-format --dry-run -Werror $(SOURCES)
+	scripts/check-house
+tidy: ## clang-tidy on everything (slow)
+	printf '%s\n' $(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) | xargs -P $$(nproc) -n 4 \
+	  sh -c 'clang-tidy --quiet "$$@" -- $(TIDY_FLAGS)' tidy
+lint: house tidy ## house and tidy
+
+# The version is compiled into one object, and only when it changed.
+$(BUILD)/version.txt: force
+	@mkdir -p $(@D)
+	@version=$$(git describe --always --dirty 2>/dev/null || echo unknown); \
+	  [ "$$(cat $@ 2>/dev/null)" = "$$version" ] || echo "$$version" > $@
+.PHONY: force
+force:
+$(BUILD)/mapper/version.o: $(BUILD)/version.txt
+$(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
+
+# Catch2 is parsed once per flavour, not once per test file.
+$(PCH).gch: OPT := -O1 -g1
+$(PCH).gch: tests/precompiled.hpp
+	@mkdir -p $(@D)
+	@cp $< $(PCH)
+	$(CXX) $(FLAGS) -MMD -MP -MF $(PCH).d -x c++-header -o $@ $<
+PCH_FLAGS = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(PCH)
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(PCH_FLAGS)
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
+# Tests are not what we measure.
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC)) $(RUNNER_OBJ): private OPT := -O1 -g1
 
 define kernel_rule
 $(BUILD)/%.$(1).o: %.cpp
 	@mkdir -p $$(@D)
-	$(CCACHE) $(CXX) $(FLAGS) $(KERNEL_FLAGS_$(1)) -DG3D_KERNEL_VARIANT=$(1) -MMD -MP -MF $$(@:.o=.d) -c -o $$@ $$<
+	$(CCACHE) $(CXX) $(FLAGS) $(KERNEL_FLAGS_$(1)) -DG3D_KERNEL_VARIANT=$(1) $$(DEPFLAGS) -c -o $$@ $$<
 endef
 $(foreach v,$(KERNEL_VARIANTS),$(eval $(call kernel_rule,$(v))))
 
@@ -50,7 +154,7 @@ $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
 
-clean:
+clean: ## removes build/
 	rm -rf build
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
