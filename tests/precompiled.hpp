@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What nearly every test includes; the Makefile compiles it once and puts it in front of each test file.
-#pragma once
-
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>

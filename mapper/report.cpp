@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/report.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include "mapper/json_writer.hpp"
+
+namespace g3d::mapper {
+namespace {
+
+double rounded_us(double us) { return std::round(us * 10.0) / 10.0; }
+
+void write_frames(JsonWriter& json, const FrameCounts& frames) {
+  json.key("frames").begin_object().member("delivered", frames.delivered).member("integrated", frames.integrated);
+  json.key("dropped").begin_object();
+  for (std::size_t i = 0; i < hal::kDropReasonCount; ++i) {
+    json.member(to_string(static_cast<hal::DropReason>(i)), frames.dropped[i]);
+  }
+  json.end_object().end_object();
+}
+
+void write_stages(JsonWriter& json, const std::vector<NamedStage>& stages) {
+  json.key("stages_us").begin_object();
+  for (const NamedStage& stage : stages) {
+    json.key(stage.name).begin_object();
+    json.member("p50", rounded_us(stage.times.percentile_us(0.50)));
+    json.member("p99", rounded_us(stage.times.percentile_us(0.99)));
+    json.member("max", rounded_us(stage.times.max_us())).end_object();
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+std::uint64_t FrameCounts::dropped_total() const {
+  return std::accumulate(dropped.begin(), dropped.end(), std::uint64_t{0});
+}
+
+std::string to_json(const RunReport& report) {
+  JsonWriter json;
+  json.begin_object();
+  write_frames(json, report.frames);
+  write_stages(json, report.stages);
+  json.key("map").begin_object().member("mapper", report.mapper).member("resolution_m", report.resolution_m);
+  json.member("occupied", report.occupied).member("free", report.free).member("memory_bytes", report.memory_bytes);
+  json.member("file_bytes", report.file_bytes).member("hash", report.hash).end_object();
+  json.key("run").begin_object().member("command", report.command).member("version", report.version);
+  json.member("seed", report.seed).member("threads", report.threads).member("board", report.board);
+  json.key("notes").begin_array();
+  for (const std::string& note : report.notes) json.value(note);
+  json.end_array().end_object();
+  json.end_object();
+  return json.take();
+}
+
+}  // namespace g3d::mapper

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/report.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace g3d;
+using mapper::FrameCounts;
+using mapper::RunReport;
+
+namespace {
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+}  // namespace
+
+TEST_CASE("frame counts balance only when every frame is accounted for", "[mapper][report]") {
+  FrameCounts frames;
+  frames.delivered = 10;
+  frames.integrated = 7;
+  frames.dropped[static_cast<std::size_t>(hal::DropReason::no_pose)] = 2;
+  CHECK_FALSE(frames.balanced());
+  frames.dropped[static_cast<std::size_t>(hal::DropReason::queue_full)] = 1;
+  CHECK(frames.balanced());
+  CHECK(frames.dropped_total() == 3);
+}
+
+TEST_CASE("the report has the members that readers rely on", "[mapper][report]") {
+  RunReport report;
+  report.frames.delivered = 3;
+  report.frames.integrated = 2;
+  report.frames.dropped[static_cast<std::size_t>(hal::DropReason::bad_pose)] = 1;
+  report.stages.push_back({"integrate", {}});
+  report.stages.back().times.add(1500000);
+  report.resolution_m = 0.05;
+  report.occupied = 11;
+  report.free = 22;
+  report.memory_bytes = 33;
+  report.file_bytes = 44;
+  report.hash = "ab12";
+  report.command = "g3dmap replay \"my log\"";
+  report.version = "v1";
+  report.seed = 5;
+  report.threads = 2;
+  report.board = "laptop";
+  report.notes = {"interrupted"};
+  const std::string json = to_json(report);
+  CHECK(contains(json, "\"delivered\": 3"));
+  CHECK(contains(json, "\"integrated\": 2"));
+  CHECK(contains(json, "\"bad_pose\": 1"));
+  CHECK(contains(json, "\"queue_full\": 0"));
+  CHECK(contains(json, "\"integrate\": {\n      \"p50\": 1500,\n      \"p99\": 1500,\n      \"max\": 1500\n    }"));
+  CHECK(contains(
+      json,
+      "\"map\": {\n    \"mapper\": \"cpu\",\n    \"resolution_m\": 0.05,\n    \"occupied\": 11,\n    \"free\": 22,\n"
+      "    \"memory_bytes\": 33,\n    \"file_bytes\": 44,\n    \"hash\": \"ab12\"\n  }"));
+  CHECK(contains(json, R"("command": "g3dmap replay \"my log\"")"));
+  CHECK(contains(json, "\"version\": \"v1\",\n    \"seed\": 5,\n    \"threads\": 2,\n    \"board\": \"laptop\""));
+  CHECK(contains(json, "\"interrupted\"\n    ]"));
+}
