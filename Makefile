@@ -49,7 +49,7 @@ SOAK_FUZZ_RUNS ?= 1000000
 TEST_ARGS ?=
 
 .PHONY: all help unit-tests system-tests test asan tsan fuzz bench soak format lint tidy house clean \
-  build-test build-asan build-tsan fuzz-here tsan-run
+  build-test build-asan build-tsan fuzz-here tsan-tests tsan-run
 .DELETE_ON_ERROR:
 all: $(EXE) ## the program: build/host/g3dmap, one static executable
 
@@ -86,8 +86,10 @@ asan: build-asan ## unit tests under address and undefined-behaviour sanitizer
 
 build-tsan:
 	$(MAKE) $(TSAN) build/tsan/thread_tests build/tsan/g3dmap
-tsan: build-tsan ## threaded tests and a whole run under thread sanitizer
+tsan: tsan-tests tsan-run ## threaded tests and a whole run under thread sanitizer
+tsan-tests: build-tsan
 	$(TSAN_ENV) build/tsan/thread_tests "[threads]" $(TEST_ARGS)
+tsan-run: build-tsan
 	$(TSAN_ENV) tests/system/tsan_run build/tsan/g3dmap
 
 fuzz: ## every reader of outside data, FUZZ_RUNS inputs each (clang)

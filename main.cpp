@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// g3dmap's command line and nothing else: what may be said, within which limits, and who does it.
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "main_commands.hpp"
+#include "mapper/version.hpp"
+
+namespace {
+
+using namespace g3d;
+
+constexpr const char* kReplayExamples = R"(
+Examples:
+  g3dmap replay rgbd_dataset_freiburg1_rpy --out out
+  g3dmap replay walk --poses odometry.tum --resolution 0.02 --threads 2 --out out
+  g3dmap replay walk --rate 1 --out out          as fast as it was recorded; late frames are dropped and counted
+
+LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt.)";
+
+constexpr const char* kSimExamples = R"(
+Examples:
+  g3dmap sim --out out                                     the built-in furnished room
+  g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
+  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls)";
+
+constexpr const char* kExportExamples = R"(
+Examples:
+  g3dmap export out/map.g3d --to map.ply                   points with colours
+  g3dmap export map.bt --to map.g3d --to map.pcd
+  g3dmap export out/map.g3d --to ground.yaml               also writes ground.pgm
+
+The endings choose the format: .g3d .ot .bt .ply .pcd .yaml (ground map) .png (picture).)";
+
+constexpr const char* kInfoExamples = R"(
+Examples:
+  g3dmap info out/map.g3d
+  g3dmap info map.bt --json)";
+
+constexpr const char* kMergeExamples = R"(
+Examples:
+  g3dmap merge a.g3d b.g3d --out both.g3d                  each map at the pose that its file states
+  g3dmap merge a.g3d b.g3d --pose 0,0,0,0,0,0 --pose 2.5,0,0,0,0,1.5708 --out both.g3d
+
+A pose is x,y,z in metres and roll,pitch,yaw in radians, one --pose per map in the same order.)";
+
+constexpr const char* kMaskExamples = R"(
+Example:
+  g3dmap mask wall_view --out mask.png                     then: g3dmap replay walk --mask mask.png --out out
+
+LOG is a recording of a plain wall that fills the view.)";
+
+void add_mapping_options(CLI::App& command, MappingOptions& options) {
+  command.add_option("--out", options.out_dir, "Folder for what is made; it is created if need be")->required();
+  command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")
+      ->check(CLI::Range(0.002, 1.0))
+      ->capture_default_str();
+  command.add_option("--integrator", options.integrator, "How free space is found")
+      ->check(CLI::IsMember({"dda", "bresenham", "projective"}))
+      ->capture_default_str();
+  command.add_option("--mode", options.mode, "static keeps occupied voxels only")
+      ->check(CLI::IsMember({"static", "dynamic"}))
+      ->capture_default_str();
+  command.add_option("--mapper", options.mapper, "Where the map is computed")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads of the mapper; the map is the same for any number")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command.add_option("--rate", options.rate, "Real time, this many times as fast as recorded; 0: as fast as possible")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--memory", options.memory_mib, "Limit of the map's memory in MiB")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
+  command.add_option("--mask", options.mask_path, "Free scan mask, a picture made by g3dmap mask");
+  command.add_option("--board", options.board_path, "Board file (toml); without it a laptop with a Kinect 360");
+  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
+  command.add_flag("--quiet", options.quiet, "No progress and no summary");
+  command.add_flag("--json", options.json, "Print report.json instead of the summary");
+}
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* what, const char* examples) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->footer(examples);
+  return command;
+}
+
+/// The command as it was typed, quoted where a shell needs it: for report.json.
+std::string command_line(int argc, char** argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?&|;<>()") == std::string::npos;
+    line += (i > 0 ? " " : "") + (plain ? word : "'" + word + "'");
+  }
+  return line;
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app{"g3dmap: depth frames in, coloured 3D occupancy map out.\n"};
+  app.set_version_flag("--version", std::string("g3dmap ") + mapper::version());
+  app.require_subcommand(1);
+  app.footer("\n'g3dmap COMMAND --help' shows the options and examples of one command.");
+
+  ReplayOptions replay;
+  CLI::App* replay_command = add_command(app, "replay", "Map a recorded walk", kReplayExamples);
+  replay_command->add_option("LOG", replay.log_dir, "Folder of the recording")->required();
+  replay_command->add_option("--poses", replay.poses_path, "Poses T_world_camera, TUM format");
+  add_mapping_options(*replay_command, replay.mapping);
+
+  SimOptions sim;
+  CLI::App* sim_command = add_command(app, "sim", "Fly a simulated Kinect through a world and map it", kSimExamples);
+  sim_command->add_option("--world", sim.world, "World file, map_server yaml, or builtin")->capture_default_str();
+  sim_command->add_option("--camera-path", sim.camera_path, "Way of the camera, or builtin")->capture_default_str();
+  sim_command->add_option("--duration", sim.duration_s, "Stop after so many simulated seconds; 0: where the path ends")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  sim_command->add_option("--fps", sim.frame_rate_hz, "Frames per simulated second")
+      ->check(CLI::Range(0.1, 240.0))
+      ->capture_default_str();
+  sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
+  add_mapping_options(*sim_command, sim.mapping);
+
+  ExportOptions exported;
+  CLI::App* export_command = add_command(app, "export", "Write a map in other formats", kExportExamples);
+  export_command->add_option("MAP", exported.from, "map.g3d, .ot or .bt")->required();
+  export_command->add_option("--to", exported.to, "File to write; may be given several times")->required();
+
+  InfoOptions info;
+  CLI::App* info_command = add_command(app, "info", "Say what is in a map", kInfoExamples);
+  info_command->add_option("FILE", info.file, "map.g3d, .ot or .bt")->required();
+  info_command->add_flag("--json", info.json, "For scripts");
+
+  MergeOptions merge;
+  CLI::App* merge_command = add_command(app, "merge", "Join maps whose poses are known", kMergeExamples);
+  merge_command->add_option("MAPS", merge.maps, "Maps to join")->required()->expected(1, 256);
+  merge_command->add_option("--pose", merge.poses, "x,y,z,roll,pitch,yaw of one map, in the order of the maps")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  merge_command->add_option("--out", merge.out, "Map to write")->required();
+
+  MaskOptions mask;
+  CLI::App* mask_command = add_command(app, "mask", "Make a free scan mask from a recorded wall view", kMaskExamples);
+  mask_command->add_option("LOG", mask.log_dir, "Folder of the recording")->required();
+  mask_command->add_option("--out", mask.out, "16-bit PNG to write")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitDone : kExitBadUsage;
+  }
+  if (*replay_command) return run_replay(replay, command_line(argc, argv));
+  if (*sim_command) return run_sim(sim, command_line(argc, argv));
+  if (*export_command) return run_export(exported);
+  if (*info_command) return run_info(info);
+  if (*merge_command) return run_merge(merge);
+  return run_mask(mask);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("g3dmap: out of memory; a smaller --memory or a coarser --resolution needs less\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "g3dmap: %s\n", error.what());
+  }
+  return kExitFailed;
+}

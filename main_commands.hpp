@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the command line says, as plain values, and the functions that do it. Each returns the process's exit code:
+// 0 done, 1 failed at run time, 2 bad usage.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace g3d {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitBadUsage = 2;
+
+/// Options that mean the same for every command that maps.
+struct MappingOptions {
+  std::string out_dir;
+  std::string integrator = "projective";
+  std::string mode = "dynamic";
+  std::string mapper = "auto";
+  std::string board_path;  ///< empty: the built-in laptop
+  std::string mask_path;   ///< empty: free scan mask from the intrinsics
+  double resolution_m = 0.05;
+  int threads = 1;
+  std::uint64_t seed = 1;
+  double rate = 0.0;                ///< 0: lockstep
+  std::uint64_t memory_mib = 2048;  ///< what the map may grow to
+  bool no_colour = false;
+  bool quiet = false;
+  bool json = false;
+};
+
+struct ReplayOptions {
+  MappingOptions mapping;
+  std::string log_dir;
+  std::string poses_path;  ///< empty: trajectory.tum, else groundtruth.txt
+};
+
+struct SimOptions {
+  MappingOptions mapping;
+  std::string world = "builtin";  ///< our world file, a map_server yaml, or builtin
+  std::string camera_path = "builtin";
+  double duration_s = 0.0;  ///< 0: to the end of the path
+  double frame_rate_hz = 30.0;
+  bool no_noise = false;
+};
+
+struct ExportOptions {
+  std::string from;
+  std::vector<std::string> to;
+};
+
+struct InfoOptions {
+  std::string file;
+  bool json = false;
+};
+
+struct MergeOptions {
+  std::vector<std::string> maps;
+  std::vector<std::string> poses;  ///< "x,y,z,roll,pitch,yaw" per map, or none at all
+  std::string out;
+};
+
+struct MaskOptions {
+  std::string log_dir;
+  std::string out;
+};
+
+int run_replay(const ReplayOptions& options, const std::string& command_line);
+int run_sim(const SimOptions& options, const std::string& command_line);
+int run_export(const ExportOptions& options);
+int run_info(const InfoOptions& options);
+int run_merge(const MergeOptions& options);
+int run_mask(const MaskOptions& options);
+
+}  // namespace g3d
