@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/image/atomic_file.hpp"
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <vector>
+
+#include "tests/support/temp_folder.hpp"
+
+using namespace g3d::hal;
+using g3d::test::read_plain;
+using g3d::test::TempFolder;
+using g3d::test::write_plain;
+
+TEST_CASE("The old file stands until commit, then the whole new one") {
+  const TempFolder folder;
+  const std::string path = folder / "map";
+  write_plain(path, "old");
+  Result<AtomicFile> created = AtomicFile::create(path);
+  REQUIRE(created.ok());
+  AtomicFile file = std::move(created).value();
+  std::string expected;
+  for (int i = 0; i < 200'000; ++i) {
+    const std::string line = "line " + std::to_string(i) + "\n";
+    REQUIRE(file.write(line).ok());
+    expected += line;
+  }
+  CHECK(file.bytes_written() == expected.size());
+  CHECK(read_plain(path) == "old");
+  REQUIRE(file.commit().ok());
+  CHECK(read_plain(path) == expected);
+  CHECK(folder.listing() == "map\n");
+  CHECK(file.write("more").error().reason == Reason::bad_usage);
+  CHECK(file.commit().error().reason == Reason::bad_usage);
+  CHECK(read_plain(path) == expected);
+}
+
+TEST_CASE("Abandoned, explicitly or by destruction, it leaves the old file and nothing else") {
+  const TempFolder folder;
+  const std::string path = folder / "map";
+  write_plain(path, "old");
+  {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    REQUIRE(file.ok());
+    REQUIRE(file.value().write("new").ok());
+  }
+  CHECK(folder.listing() == "map\n");
+  Result<AtomicFile> file = AtomicFile::create(path);
+  REQUIRE(file.ok());
+  file.value().abandon();
+  file.value().abandon();
+  CHECK(folder.listing() == "map\n");
+  CHECK(read_plain(path) == "old");
+}
+
+TEST_CASE("The part of a killed writer is reused, a living writer's is not") {
+  const TempFolder folder;
+  const std::string path = folder / "map";
+  write_plain(path + ".part", "a longer left-over of a killed process");
+  Result<AtomicFile> first = AtomicFile::create(path);
+  REQUIRE(first.ok());
+  const Result<AtomicFile> second = AtomicFile::create(path);
+  REQUIRE_FALSE(second.ok());
+  CHECK(second.error().reason == Reason::no_permission);
+  REQUIRE(first.value().write("new").ok());
+  REQUIRE(first.value().commit().ok());
+  CHECK(read_plain(path) == "new");
+  CHECK(folder.listing() == "map\n");
+}
+
+TEST_CASE("Errors name the path and the remedy") {
+  const TempFolder folder;
+  const Result<AtomicFile> no_folder = AtomicFile::create(folder.path() + "/none/map");
+  REQUIRE_FALSE(no_folder.ok());
+  CHECK(no_folder.error().reason == Reason::not_found);
+  CHECK(no_folder.error().text.find("/none/map") != std::string::npos);
+
+  // The target is a folder: known only at the rename.
+  const std::string path = folder / "map";
+  REQUIRE(::mkdir(path.c_str(), 0700) == 0);
+  Result<AtomicFile> onto_folder = AtomicFile::create(path);
+  REQUIRE(onto_folder.ok());
+  CHECK_FALSE(onto_folder.value().commit().ok());
+  CHECK(folder.listing() == "map\n");
+
+  if (::geteuid() != 0) {  // root may write everywhere
+    REQUIRE(::chmod(folder.path().c_str(), 0500) == 0);
+    CHECK(AtomicFile::create(folder.path() + "/b").error().reason == Reason::no_permission);
+  }
+  CHECK(system_error("x", "cannot write", EROFS).reason == Reason::no_permission);
+}
+
+TEST_CASE("A write that fails half-way keeps the old file") {
+  const TempFolder folder;
+  const std::string path = folder / "map";
+  write_plain(path, "old");
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  void (*const handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1'000'000, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
+  bool failed = false;
+  Error error{Reason::bad_usage, ""};
+  {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    const std::vector<std::uint8_t> chunk(100'000, 7);
+    for (int i = 0; i < 30 && file.ok() && !failed; ++i) {
+      if (Result<void> written = file.value().write(chunk); !written) {
+        failed = true;
+        error = written.error();
+      }
+    }
+    CHECK(file.value().commit().error().reason == Reason::too_large);  // sticky
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  CHECK(failed);
+  CHECK(error.reason == Reason::too_large);
+  CHECK(read_plain(path) == "old");
+  CHECK(folder.listing() == "map\n");
+}
+
+TEST_CASE("A full disk is reported as such, with the remedy") {
+  const Error error = system_error("map", "cannot write", ENOSPC);
+  CHECK(error.reason == Reason::disk_full);
+  CHECK(error.text.find("free some space") != std::string::npos);
+}
