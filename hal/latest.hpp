@@ -4,7 +4,8 @@
 // next one, because that one goes to another slot.
 //
 // Why it is right without fences: words are stored with release after `started_`, and loaded with acquire before it is
-// checked. Who has read even one word of generation g also sees started_ >= g, and rejects what it read of an older one.
+// checked. Who has read even one word of generation g also sees started_ >= g, and rejects what it read of an older
+// one.
 #pragma once
 
 #include <array>

@@ -6,15 +6,24 @@ namespace g3d::hal {
 
 const char* to_string(DropReason reason) {
   switch (reason) {
-    case DropReason::unreadable_depth: return "unreadable_depth";
-    case DropReason::wrong_size: return "wrong_size";
-    case DropReason::no_pose: return "no_pose";
-    case DropReason::bad_pose: return "bad_pose";
-    case DropReason::time_backwards: return "time_backwards";
-    case DropReason::queue_full: return "queue_full";
-    case DropReason::out_of_range: return "out_of_range";
-    case DropReason::interrupted: return "interrupted";
-    case DropReason::count_: break;
+    case DropReason::unreadable_depth:
+      return "unreadable_depth";
+    case DropReason::wrong_size:
+      return "wrong_size";
+    case DropReason::no_pose:
+      return "no_pose";
+    case DropReason::bad_pose:
+      return "bad_pose";
+    case DropReason::time_backwards:
+      return "time_backwards";
+    case DropReason::queue_full:
+      return "queue_full";
+    case DropReason::out_of_range:
+      return "out_of_range";
+    case DropReason::interrupted:
+      return "interrupted";
+    case DropReason::count_:
+      break;
   }
   return "unknown";
 }

@@ -2,9 +2,9 @@
 // The written-out arithmetic against Eigen, an implementation by others.
 #include "hal/geometry.hpp"
 
-#include <eigen3/Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <eigen3/Eigen/Geometry>
 #include <limits>
 #include <random>
 
