@@ -31,7 +31,8 @@ BENCH_SRC := $(sort $(wildcard tests/bench/*_bench.cpp))
 
 objects = $(1:%.cpp=$(BUILD)/%.o)
 LIB_OBJ := $(call objects,$(LIB_SRC)) $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
-RUNNER_OBJ := $(call objects,tests/main.cpp $(SUPPORT_SRC))
+RUNNER_OBJ := $(BUILD)/tests/main.o
+SUPPORT := $(BUILD)/libsupport.a
 BENCH_EXE := $(BENCH_SRC:tests/bench/%.cpp=$(BUILD)/bench/%)
 FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
 EXE := $(BUILD)/g3dmap
@@ -60,16 +61,18 @@ $(EXE): $(call objects,$(MAIN_SRC)) $(LIB)
 	$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
 $(LIB): $(LIB_OBJ)
+$(SUPPORT): $(call objects,$(SUPPORT_SRC))
+$(LIB) $(SUPPORT):
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-$(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(LIB)
+$(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
 	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
-$(BUILD)/thread_tests: $(RUNNER_OBJ) $(call objects,$(THREAD_SRC)) $(LIB)
+$(BUILD)/thread_tests: $(RUNNER_OBJ) $(call objects,$(THREAD_SRC)) $(SUPPORT) $(LIB)
 	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
-$(BUILD)/system_tests: $(RUNNER_OBJ) $(call objects,$(SYSTEM_SRC)) $(LIB)
+$(BUILD)/system_tests: $(RUNNER_OBJ) $(call objects,$(SYSTEM_SRC)) $(SUPPORT) $(LIB)
 	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
@@ -102,7 +105,7 @@ $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(LIB)
 
 bench: $(BENCH_EXE) ## every benchmark in tests/bench
 	@for program in $(BENCH_EXE); do echo "== $$program"; $$program $(BENCH_ARGS) || exit 1; done
-$(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(call objects,$(SUPPORT_SRC)) $(LIB)
+$(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
@@ -142,8 +145,8 @@ $(PCH).gch: tests/precompiled.hpp
 PCH_FLAGS = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(PCH)
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(PCH_FLAGS)
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
-# Tests are not what we measure.
-$(call objects,$(UNIT_SRC) $(SYSTEM_SRC)) $(RUNNER_OBJ): private OPT := -O1 -g1
+# Tests are not what we measure; and a precompiled header wants the same options as its users.
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)) $(RUNNER_OBJ): private OPT := -O1 -g1
 
 define kernel_rule
 $(BUILD)/%.$(1).o: %.cpp
