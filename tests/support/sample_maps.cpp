@@ -127,9 +127,10 @@ std::unique_ptr<VoxelMap> random_map(std::uint64_t seed, int blocks, float resol
   Random random(seed);
   const auto count = static_cast<std::uint32_t>(blocks) + 8U;
   auto map = std::make_unique<VoxelMap>(Grid{resolution_m}, mapper::MapCapacity{count, count, 8 * count});
+  const auto side = static_cast<std::uint32_t>(std::cbrt(2.0 * blocks)) + 2U;
+  const auto near_middle = [&] { return 32768 + 8 * (static_cast<int>(random.below(side)) - static_cast<int>(side / 2)); };
   for (int i = 0; i < blocks; ++i) {
-    VoxelIndex v{32768 + 8 * (static_cast<int>(random.below(10)) - 5), 32768 + 8 * (static_cast<int>(random.below(10)) - 5),
-                 32768 + 8 * (static_cast<int>(random.below(6)) - 3)};
+    VoxelIndex v{near_middle(), near_middle(), near_middle()};
     if (random.below(50) == 0) v = {static_cast<int>(random.below(65536)), static_cast<int>(random.below(65536)), 65535};
     if (i == 0) v = {0, 0, 0};
     if (i == 1) v = {65535, 65535, 65535};
