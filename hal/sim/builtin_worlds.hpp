@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Worlds and drives that are compiled into the program, in the same text form that files have:
+//   furnished_room  10 x 10 x 2.5 m, about 150 solids, a minute's drive that sees nearly all of it
+//   two_rooms       two closed rooms with a 10 cm wall between them; the drive stays in the western one
+//   corridor        a loop of 60 m through closed corridors
+//   office          desks, partitions, shelves, a glass door
+//   visitor         a plain room that a person walks through while the camera stands still
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/result.hpp"
+#include "hal/sim/camera_path.hpp"
+#include "hal/sim/world.hpp"
+
+namespace g3d::hal {
+
+[[nodiscard]] const std::vector<std::string_view>& builtin_names();
+/// The text, or empty if there is no such name.
+[[nodiscard]] std::string_view builtin_world(std::string_view name);
+[[nodiscard]] std::string_view builtin_path(std::string_view name);
+
+/// A built-in name, a world file, or a map_server yaml file (known by .yaml or .yml).
+[[nodiscard]] Result<World> load_world(const std::string& name_or_file);
+/// A built-in name or a camera path file.
+[[nodiscard]] Result<CameraPath> load_camera_path(const std::string& name_or_file);
+
+}  // namespace g3d::hal
