@@ -79,7 +79,7 @@ std::vector<Solid> furniture() {
   box(3.0, 0.8, 2.0, 3.2, 1.7, 2.5, 0xE6DCC8);
   box(-3.2, -2.7, 0, 3.2, -2.5, 2.5, 0xB9CBD6);
   box(-3.2, 2.5, 0, 3.2, 2.7, 2.5, 0xB9CBD6);
-  box(-0.8, -0.5, 0.70, 0.8, 0.4, 0.75, 0x8A4F24);                                             // table
+  box(-0.8, -0.5, 0.68, 0.8, 0.4, 0.76, 0x8A4F24);                                             // table
   for (const double x : {-0.72, 0.72}) {
     for (const double y : {-0.42, 0.32}) pole(x, y, 0.04, 0.0, 0.7, 0x5A3418);
   }
