@@ -21,7 +21,7 @@ TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
 ROOMS := $(wildcard board hal mapper nav net)
-LIB_SRC := $(filter-out $(KERNEL_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort))
+LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/%,$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
 UNIT_SRC := $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' | sort)
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))

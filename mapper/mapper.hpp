@@ -52,7 +52,7 @@ struct FrameReport {
   std::uint32_t too_near_pixels = 0;   ///< readings nearer than near_m: for navigation
   std::uint32_t far_pixels = 0;
   std::uint32_t invalid_pixels = 0;
-  std::uint32_t hit_voxels = 0;
+  std::uint32_t hit_blocks = 0;        ///< blocks of 8x8x8 voxels in which something was measured
   std::uint32_t refused_blocks = 0;
 };
 

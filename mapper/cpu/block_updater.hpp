@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Evidence of one frame -> levels and colours of the map. What needs no new memory is applied at once, by many threads,
+// each block by one of them; blocks, planes and bricks that are missing are handed out afterwards by one thread in a
+// fixed order, so that a map does not depend on the number of threads even when a pool runs full.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapper/cpu/frame_geometry.hpp"
+#include "mapper/cpu/hit_scatter.hpp"
+#include "mapper/cpu/kernels/kernels.hpp"
+#include "mapper/cpu/thread_pool.hpp"
+#include "mapper/pool.hpp"
+#include "mapper/voxel_map.hpp"
+
+namespace g3d::mapper::cpu {
+
+using FreeFlags = std::array<std::uint8_t, kBlockVoxels>;  ///< 0, kWeakFree or kStrongFree by place
+
+class BlockUpdater {
+ public:
+  BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSteps steps);
+
+  /// `rgb`: colour image of the frame, or nullptr. `chunks` lanes of at most `blocks_per_chunk` blocks will be offered.
+  void begin(const FrameGeometry& frame, const std::uint8_t* rgb, const Kernels& kernels, std::uint32_t frame_number,
+             std::uint32_t chunks, std::uint32_t blocks_per_chunk);
+
+  /// A block whose every voxel was seen through. `is_strong(place)` is asked for occupied voxels only.
+  template <typename IsStrong>
+  void offer_all_free(std::uint32_t chunk, BlockKey key, HitRecord* hits, IsStrong&& is_strong) {
+    const std::uint32_t slot = map_->find(key);
+    if (slot == kNoSlot || (map_->header(slot).plane == kNoSlot && hits == nullptr)) {
+      offer_uniform(chunk, key, slot, is_strong);
+      return;
+    }
+    alignas(64) FreeFlags flags;
+    flags.fill(kWeakFree);
+    offer(chunk, key, slot, flags, hits, is_strong);
+  }
+
+  /// A block with some voxels seen through. `flags` may be changed.
+  template <typename IsStrong>
+  void offer_some_free(std::uint32_t chunk, BlockKey key, FreeFlags& flags, HitRecord* hits, IsStrong&& is_strong) {
+    offer(chunk, key, map_->find(key), flags, hits, is_strong);
+  }
+
+  /// A block with hits alone.
+  void offer_hits(std::uint32_t chunk, BlockKey key, HitRecord& hits) { submit(chunk, key, map_->find(key), nullptr, &hits); }
+
+  /// Hands out memory, applies what waited for it, gives back what is no longer needed. Returns refused blocks.
+  std::uint32_t finish(ThreadPool& pool);
+
+  [[nodiscard]] std::uint32_t chunks() const { return chunks_; }
+  [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
+
+ private:
+  struct Waiting {
+    BlockKey key;
+    HitRecord* hits;
+    std::uint32_t flags;  ///< index of stored free flags, kAllFree, or kNoFlags
+    std::uint32_t slot;
+  };
+  static constexpr std::uint32_t kNoFlags = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kAllFree = 0xFFFFFFFEU;
+  struct Lane {
+    std::uint32_t waiting = 0;
+    std::uint32_t changed = 0;
+    std::uint32_t shrinking = 0;
+  };
+
+  template <typename IsStrong>
+  void offer(std::uint32_t chunk, BlockKey key, std::uint32_t slot, FreeFlags& flags, HitRecord* hits,
+             IsStrong&& is_strong) {
+    if (slot != kNoSlot) settle_contested(slot, flags, hits, is_strong);
+    submit(chunk, key, slot, &flags, hits);
+  }
+
+  template <typename IsStrong>
+  void offer_uniform(std::uint32_t chunk, BlockKey key, std::uint32_t slot, IsStrong&& is_strong) {
+    if (slot != kNoSlot && map_->header(slot).uniform_level > kUnknownLevel) {
+      alignas(64) FreeFlags flags;
+      flags.fill(kWeakFree);
+      offer(chunk, key, slot, flags, nullptr, is_strong);
+      return;
+    }
+    submit_uniform(chunk, key, slot);
+  }
+
+  /// Occupied voxels give way to measured rays only.
+  template <typename IsStrong>
+  void settle_contested(std::uint32_t slot, FreeFlags& flags, const HitRecord* hits, IsStrong&& is_strong) {
+    const BlockHeader& header = map_->header(slot);
+    if (header.plane == kNoSlot) {
+      if (header.uniform_level <= kUnknownLevel) return;
+      for (std::size_t i = 0; i < flags.size(); ++i) {
+        if (flags[i] == kWeakFree && is_strong(static_cast<int>(i))) flags[i] = kStrongFree;
+      }
+      return;
+    }
+    const LevelPlane& levels = map_->plane(header.plane);
+    const std::uint8_t* hit_flags = hits != nullptr ? hits->flags.data() : kNoHits.data();
+    if (!kernels_->any_contested(levels.data(), hit_flags, flags.data())) return;
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+      if (flags[i] != kWeakFree || (levels[i] & kLevelMask) <= kUnknownLevel || hit_flags[i] != 0) continue;
+      if (is_strong(static_cast<int>(i))) flags[i] = kStrongFree;
+    }
+  }
+
+  void submit_uniform(std::uint32_t chunk, BlockKey key, std::uint32_t slot);
+  void submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags, HitRecord* hits);
+  void wait(std::uint32_t chunk, const Waiting& waiting);
+  void lower_uniform(std::uint32_t chunk, std::uint32_t slot);
+  void apply_dense(std::uint32_t chunk, std::uint32_t slot, const std::uint8_t* flags, const HitRecord* hits);
+  [[nodiscard]] bool apply_colours(BlockHeader& header, LevelPlane& levels, const HitRecord& hits);
+  [[nodiscard]] std::uint8_t bricks_missing(const BlockHeader& header, const HitRecord& hits) const;
+  [[nodiscard]] bool hand_out(Waiting& waiting);
+
+  static constexpr FreeFlags kNoHits{};
+
+  VoxelMap* map_;
+  UpdateSteps steps_;
+  const FrameGeometry* frame_ = nullptr;
+  const std::uint8_t* rgb_ = nullptr;
+  const Kernels* kernels_ = nullptr;
+  std::uint32_t frame_number_ = 0;
+  std::uint32_t chunks_ = 0;
+  std::uint32_t per_chunk_ = 0;
+  std::size_t most_chunks_;
+  ReservedArray<Waiting> waiting_;
+  ReservedArray<std::uint32_t> lane_changed_;
+  ReservedArray<std::uint32_t> lane_shrinking_;
+  ReservedArray<FreeFlags> stored_flags_;
+  std::atomic<std::uint32_t> stored_count_{0};
+  std::vector<Lane> lanes_;
+  ReservedArray<std::uint32_t> changed_;
+  std::size_t changed_count_ = 0;
+};
+
+}  // namespace g3d::mapper::cpu

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cpu/footprint_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace g3d::mapper::cpu {
+namespace {
+
+constexpr int kRowsPerChunk = 64;
+constexpr int kFirstWindowAbove = 4;  // windows of 1..3 cells of level L are those of 2..6 cells below it, but coarser
+
+std::uint32_t chunks_of(int rows) { return static_cast<std::uint32_t>((rows + kRowsPerChunk - 1) / kRowsPerChunk); }
+
+}  // namespace
+
+FootprintImages::FootprintImages(int width_px, int height_px, float smallest_window_px)
+    : smallest_window_(std::clamp(static_cast<int>(std::lround(smallest_window_px)), 1, 1 << 12)) {
+  int width = width_px;
+  int height = height_px;
+  for (int l = 0; l < kMaxLevels && (l == 0 || std::min(width, height) > 1); ++l) {
+    FootprintLevel level;
+    level.width = width;
+    level.height = height;
+    level.stride = (width + 2 * kImagePadding + 31) / 32 * 32;
+    level.rows = height + 2 * kImagePadding;
+    levels_.push_back(level);
+    const std::size_t cells = static_cast<std::size_t>(level.stride * level.rows) + 64U;
+    std::vector<std::vector<std::uint16_t>> windows(kMaxWindow + 1);
+    for (int m = 1; m <= kMaxWindow; ++m) windows[static_cast<std::size_t>(m)].assign(cells, 0);
+    images_.push_back(std::move(windows));
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+  }
+}
+
+FootprintImages::Choice FootprintImages::choose(float size_px) const {
+  int level = 0;
+  float cells = size_px;
+  while (cells > static_cast<float>(kMaxWindow) + 0.5F && level + 1 < level_count()) {
+    cells *= 0.5F;
+    ++level;
+  }
+  const int least = level == 0 ? std::min(smallest_window_, kMaxWindow) : kFirstWindowAbove;
+  return {level, std::clamp(static_cast<int>(cells + 0.5F), least, kMaxWindow)};
+}
+
+void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
+  std::memcpy(images_[0][1].data(), ends.padded(),
+              static_cast<std::size_t>(levels_[0].stride * levels_[0].rows) * sizeof(std::uint16_t));
+  for (int l = 0; l < level_count(); ++l) {
+    if (l > 0) halve(l, kernels, pool);
+    const int least = l == 0 ? smallest_window_ : kFirstWindowAbove;
+    if (least > kMaxWindow) continue;
+    // Doubling up to the smallest window that is asked for, then one cell more each time.
+    int have = 1;
+    while (have < least) {
+      const int next = std::min(2 * have, least);
+      widen(l, have, next, kernels, pool);
+      have = next;
+    }
+    for (; have < kMaxWindow; ++have) widen(l, have, have + 1, kernels, pool);
+  }
+}
+
+void FootprintImages::widen(int l, int from, int to, const Kernels& kernels, ThreadPool& pool) {
+  const FootprintLevel& level = levels_[static_cast<std::size_t>(l)];
+  const std::uint16_t* source = images_[static_cast<std::size_t>(l)][static_cast<std::size_t>(from)].data();
+  std::uint16_t* target = images_[static_cast<std::size_t>(l)][static_cast<std::size_t>(to)].data();
+  const int shift = to - from;
+  const int rows = level.rows - shift;
+  const int count = level.stride - shift;
+  pool.parallel_for(chunks_of(rows), [&](std::uint32_t chunk) {
+    const int first = static_cast<int>(chunk) * kRowsPerChunk;
+    for (int y = first; y < std::min(rows, first + kRowsPerChunk); ++y) {
+      kernels.max_filter_row(source + y * level.stride, source + (y + shift) * level.stride, shift, count,
+                             target + y * level.stride);
+    }
+  });
+}
+
+void FootprintImages::halve(int l, const Kernels& kernels, ThreadPool& pool) {
+  const FootprintLevel& below = levels_[static_cast<std::size_t>(l - 1)];
+  const FootprintLevel& level = levels_[static_cast<std::size_t>(l)];
+  const std::uint16_t* source = images_[static_cast<std::size_t>(l - 1)][1].data();
+  std::uint16_t* target = images_[static_cast<std::size_t>(l)][1].data();
+  pool.parallel_for(chunks_of(level.height), [&](std::uint32_t chunk) {
+    const int first = static_cast<int>(chunk) * kRowsPerChunk;
+    for (int y = first; y < std::min(level.height, first + kRowsPerChunk); ++y) {
+      // Below an odd last row lies padding: zeros, which a maximum ignores.
+      const std::uint16_t* a = source + (2 * y + kImagePadding) * below.stride + kImagePadding;
+      kernels.halve_max_row(a, a + below.stride, level.width, target + (y + kImagePadding) * level.stride + kImagePadding);
+    }
+  });
+}
+
+}  // namespace g3d::mapper::cpu

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The image of ray ends, filtered by the maximum over square windows of many sizes: cell x of the image for window m of
+// level L holds the farthest end within m x m cells of 2^L pixels that begin there. A voxel's footprint is then one look
+// into the image whose window is as large as the voxel appears.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mapper/cpu/kernels/kernels.hpp"
+#include "mapper/cpu/ray_ends.hpp"
+#include "mapper/cpu/thread_pool.hpp"
+
+namespace g3d::mapper::cpu {
+
+inline constexpr int kMaxWindow = 7;     ///< cells; from the second level on windows of 4..7 suffice
+inline constexpr int kMaxLevels = 7;
+
+struct FootprintLevel {
+  int width = 0;    ///< cells without padding
+  int height = 0;
+  int stride = 0;   ///< cells
+  int rows = 0;     ///< with padding
+};
+
+class FootprintImages {
+ public:
+  /// `smallest_window_px`: no smaller footprint will be asked for.
+  FootprintImages(int width_px, int height_px, float smallest_window_px);
+
+  void compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool);
+
+  struct Choice {
+    int level = 0;
+    int window_cells = 1;
+  };
+  /// The image whose window comes closest to `size_px` (the largest there is for larger ones).
+  [[nodiscard]] Choice choose(float size_px) const;
+  [[nodiscard]] const std::uint16_t* image(Choice choice) const {
+    return images_[static_cast<std::size_t>(choice.level)][static_cast<std::size_t>(choice.window_cells)].data();
+  }
+  [[nodiscard]] const FootprintLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
+  [[nodiscard]] int level_count() const { return static_cast<int>(levels_.size()); }
+
+ private:
+  void widen(int level, int from, int to, const Kernels& kernels, ThreadPool& pool);
+  void halve(int level, const Kernels& kernels, ThreadPool& pool);
+
+  int smallest_window_;
+  std::vector<FootprintLevel> levels_;
+  std::vector<std::vector<std::vector<std::uint16_t>>> images_;  ///< [level][window], window 1 = the ends themselves
+};
+
+}  // namespace g3d::mapper::cpu

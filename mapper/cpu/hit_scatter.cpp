@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cpu/hit_scatter.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace g3d::mapper::cpu {
+namespace {
+
+constexpr int kRowsPerChunk = 16;
+
+template <std::size_t... I>
+std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t count, std::index_sequence<I...>) {
+  return {((void)I, ReservedArray<std::uint32_t>(count))...};
+}
+
+}  // namespace
+
+HitScatter::HitScatter(const SensorGeometry& sensor)
+    : sensor_(&sensor),
+      chunks_((sensor.camera.height_px + kRowsPerChunk - 1) / kRowsPerChunk),
+      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px)),
+      runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
+      run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
+      places_(sensor.camera.pixel_count()),
+      row_block_ids_(sensor.camera.pixel_count()),
+      record_of_block_(sensor.max_box_blocks()),
+      records_(std::min(sensor.camera.pixel_count(), sensor.max_box_blocks())),
+      shard_records_(reserve_each(records_.size(), std::make_index_sequence<kShards>{})) {}
+
+void HitScatter::clear() {
+  const std::uint32_t count = record_count_.load(std::memory_order_relaxed);
+  for (std::uint32_t i = 0; i < count; ++i) record_of_block_[records_[i].block_id] = 0;
+  record_count_.store(0, std::memory_order_relaxed);
+  shard_counts_.fill(0);
+}
+
+void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
+  pool.parallel_for(static_cast<std::uint32_t>(chunks_),
+                    [&](std::uint32_t chunk) { cut_rows(static_cast<int>(chunk), frame, ends, kernels); });
+  pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard), ends); });
+}
+
+void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels) {
+  const int width = sensor_->camera.width_px;
+  const int first = chunk * kRowsPerChunk;
+  const int last = std::min(first + kRowsPerChunk, sensor_->camera.height_px);
+  const std::size_t list = static_cast<std::size_t>(chunk) * kShards;
+  std::array<Run*, kShards> next;
+  for (std::size_t s = 0; s < kShards; ++s) next[s] = &runs_[(list + s) * runs_per_list_];
+  const auto starts = next;
+  const auto& R = frame.rotation;
+
+  UnprojectRow row{};
+  row.column_slope = sensor_->column_slope.data();
+  row.width = width;
+  row.near_raw = sensor_->near_raw;
+  row.far_raw = sensor_->far_raw;
+  row.metres_per_unit = sensor_->metres_per_unit;
+  row.resolution_m = sensor_->resolution_m;
+  row.origin[0] = frame.origin.x;
+  row.origin[1] = frame.origin.y;
+  row.origin[2] = frame.origin.z;
+  row.nx_blocks = frame.nx_blocks;
+  row.nxy_blocks = frame.nx_blocks * frame.ny_blocks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    row.column[axis] = R[3 * axis];
+    row.translation[axis] = frame.translation_m[axis];
+  }
+  for (int v = first; v < last; ++v) {
+    const float slope = sensor_->row_slope[static_cast<std::size_t>(v)];
+    for (std::size_t axis = 0; axis < 3; ++axis) row.row_part[axis] = R[3 * axis + 1] * slope + R[3 * axis + 2];
+    const std::size_t offset = static_cast<std::size_t>(v * width);
+    row.depth = ends.depth() + offset;
+    row.block_id = row_block_ids_.data() + offset;
+    row.place = places_.data() + offset;
+    kernels.unproject_row(row);
+    const std::uint32_t* ids = row.block_id;
+    for (int u = 0; u < width;) {
+      const std::uint32_t id = ids[u];
+      int end = u + 1;
+      while (end < width && ids[end] == id) ++end;
+      if (id != kNoBlock) {
+        Run*& run = next[id % kShards];
+        *run++ = {id, static_cast<std::uint32_t>(v * width + u), static_cast<std::uint32_t>(end - u)};
+      }
+      u = end;
+    }
+  }
+  for (std::size_t s = 0; s < kShards; ++s) run_counts_[list + s] = static_cast<std::uint32_t>(next[s] - starts[s]);
+}
+
+void HitScatter::scatter_shard(int shard, const RayEnds& ends) {
+  const std::uint8_t* eligible = ends.colour_flags();
+  auto& list = shard_records_[static_cast<std::size_t>(shard)];
+  std::uint32_t& listed = shard_counts_[static_cast<std::size_t>(shard)];
+  for (int chunk = 0; chunk < chunks_; ++chunk) {
+    const std::size_t which = static_cast<std::size_t>(chunk) * kShards + static_cast<std::size_t>(shard);
+    const Run* run = &runs_[which * runs_per_list_];
+    for (const Run* end = run + run_counts_[which]; run != end; ++run) {
+      std::uint32_t& index = record_of_block_[run->block_id];
+      if (index == 0) {
+        index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
+        HitRecord& fresh = records_[index - 1];
+        fresh.block_id = run->block_id;
+        fresh.consumed = 0;
+        fresh.flags.fill(0);
+        list[listed++] = index - 1;
+      }
+      HitRecord& record = records_[index - 1];
+      std::uint8_t* flags = record.flags.data();
+      std::uint32_t* pixel = record.pixel.data();
+      for (std::uint32_t i = run->first_pixel; i < run->first_pixel + run->count; ++i) {
+        const std::uint16_t place = places_[i];
+        const std::uint8_t old_flags = flags[place];
+        // Where no colour is known yet the index is a proposal that counts only once the flag says so.
+        pixel[place] = (old_flags & kColourFlag) != 0 ? pixel[place] : i;
+        flags[place] = old_flags | kHitFlag | eligible[i];
+      }
+    }
+  }
+}
+
+}  // namespace g3d::mapper::cpu

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into runs
+// of pixels that stay in one block; runs are dealt to shards by their block, and each shard walks its runs in pixel
+// order, so that the lowest pixel index colours a voxel whatever the number of threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapper/cpu/frame_geometry.hpp"
+#include "mapper/cpu/kernels/kernels.hpp"
+#include "mapper/cpu/ray_ends.hpp"
+#include "mapper/cpu/thread_pool.hpp"
+#include "mapper/pool.hpp"
+
+namespace g3d::mapper::cpu {
+
+/// What one frame measured in one block.
+struct HitRecord {
+  std::uint32_t block_id;                              ///< in the frame's box
+  std::uint32_t consumed;                              ///< set by the integrator when it has applied the record
+  alignas(64) std::array<std::uint8_t, 512> flags;     ///< kHitFlag, kColourFlag by place
+  std::array<std::uint32_t, 512> pixel;                ///< valid where kColourFlag is set: lowest pixel index
+};
+
+class HitScatter {
+ public:
+  static constexpr int kShards = 8;
+
+  explicit HitScatter(const SensorGeometry& sensor);
+
+  void compute(const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels, ThreadPool& pool);
+  /// Forgets the records of the last frame; must precede the next compute().
+  void clear();
+
+  /// Record of a block of the frame's box, nullptr if nothing was measured in it.
+  [[nodiscard]] HitRecord* find(std::uint32_t block_id) {
+    const std::uint32_t index = record_of_block_[block_id];
+    return index == 0 ? nullptr : &records_[index - 1];
+  }
+  /// Records of one shard in a fixed order.
+  [[nodiscard]] std::span<const std::uint32_t> shard(int s) const {
+    return {shard_records_[static_cast<std::size_t>(s)].data(), shard_counts_[static_cast<std::size_t>(s)]};
+  }
+  /// Blocks in which something was measured.
+  [[nodiscard]] std::uint32_t block_count() const { return record_count_.load(std::memory_order_relaxed); }
+  [[nodiscard]] HitRecord& record(std::uint32_t index) { return records_[index]; }
+
+ private:
+  struct Run {
+    std::uint32_t block_id;
+    std::uint32_t first_pixel;
+    std::uint32_t count;
+  };
+  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels);
+  void scatter_shard(int shard, const RayEnds& ends);
+
+  const SensorGeometry* sensor_;
+  int chunks_;
+  std::size_t runs_per_list_;
+  ReservedArray<Run> runs_;                    ///< [chunk][shard][runs_per_list_]
+  std::vector<std::uint32_t> run_counts_;      ///< [chunk][shard]
+  std::vector<std::uint16_t> places_;          ///< per pixel
+  std::vector<std::uint32_t> row_block_ids_;   ///< per pixel
+  ReservedArray<std::uint32_t> record_of_block_;  ///< index + 1; 0 = none
+  ReservedArray<HitRecord> records_;
+  std::atomic<std::uint32_t> record_count_{0};
+  std::array<ReservedArray<std::uint32_t>, kShards> shard_records_;
+  std::array<std::uint32_t, kShards> shard_counts_{};
+};
+
+}  // namespace g3d::mapper::cpu

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops over the voxels of one block: which of them the camera saw through, and how their levels change.
+#include <algorithm>
+#include <cstring>
+
+#include "mapper/cpu/kernels/variant.hpp"
+
+namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
+
+bool project_brick(const ProjectBrick& b, std::uint8_t* free) {
+  const int first = b.first_place;
+  const float* __restrict ox = b.tables->x_px_m + first;
+  const float* __restrict oy = b.tables->y_px_m + first;
+  const float* __restrict oz = b.tables->z_units + first;
+  alignas(64) std::int32_t cell[64];
+  alignas(64) float depth_units[64];
+  const ProjectBrick p = b;
+  for (int i = 0; i < 64; ++i) {
+    const float z_units = p.z_units + oz[i];
+    const float z_m = std::max(z_units, p.min_z_units) * p.metres_per_unit;
+    const float inverse = p.scale / z_m;
+    const float x = std::min(std::max((p.x_px_m + ox[i]) * inverse + p.shift_x, 0.0F), p.last_x);
+    const float y = std::min(std::max((p.y_px_m + oy[i]) * inverse + p.shift_y, 0.0F), p.last_y);
+    cell[i] = static_cast<std::int32_t>(y) * p.stride + static_cast<std::int32_t>(x);
+    depth_units[i] = z_units;
+  }
+  alignas(64) std::uint16_t seen[64];
+  for (int i = 0; i < 64; ++i) seen[i] = p.image[cell[i]];
+  std::uint8_t* __restrict out = free + first;
+  std::int32_t any = 0;
+  alignas(64) std::int32_t flag[64];
+  for (int i = 0; i < 64; ++i) {
+    const float z_units = depth_units[i];
+    const bool through = (static_cast<float>(seen[i]) >= z_units + p.bias_units) & (z_units >= p.min_z_units);
+    flag[i] = through ? kWeakFree : 0;
+    any |= flag[i];
+  }
+  for (int i = 0; i < 64; ++i) out[i] = static_cast<std::uint8_t>(flag[i]);
+  return any != 0;
+}
+
+ApplyResult apply_block(const ApplyBlock& block) {
+  std::uint8_t* __restrict levels = block.levels;
+  static constexpr std::uint8_t kNothing[512] = {};
+  const std::uint8_t* __restrict hits = block.hits != nullptr ? block.hits : kNothing;
+  const std::uint8_t* __restrict free = block.free != nullptr ? block.free : kNothing;
+  const std::uint8_t hit_step = block.steps.hit;
+  const std::uint8_t miss_step = block.steps.miss;
+  std::uint8_t differs = 0;
+  std::uint8_t all_or = 0;
+  std::uint8_t all_and = 0xFF;
+  std::uint8_t lost_bricks = 0;
+  for (int brick = 0; brick < 8; ++brick) {
+    std::uint8_t lost = 0;
+    for (int i = 64 * brick; i < 64 * brick + 64; ++i) {
+      const std::uint8_t old_byte = levels[i];
+      const std::uint8_t level = old_byte & kLevelMask;
+      const std::uint8_t raised = std::min<std::uint8_t>(static_cast<std::uint8_t>(level + hit_step), kMaxLevel);
+      const std::uint8_t after_a_hit = raised == kUnknownLevel ? kUnknownLevel + 1 : raised;
+      const std::uint8_t lowered = static_cast<std::uint8_t>(level - std::min(level, miss_step));
+      const std::uint8_t after_a_miss = lowered == kUnknownLevel ? kUnknownLevel - 1 : lowered;
+      // A pixel without a reading never wears down what was measured: it may be blind because something is too near.
+      const bool is_free = (free[i] == kStrongFree) | ((free[i] != 0) & (level <= kUnknownLevel));
+      const std::uint8_t moved = is_free ? after_a_miss : level;
+      const std::uint8_t next = (hits[i] & kHitFlag) != 0 ? after_a_hit : moved;
+      const std::uint8_t colour = next > kUnknownLevel ? old_byte & kHasColourBit : 0;
+      const std::uint8_t new_byte = next | colour;
+      differs |= static_cast<std::uint8_t>(new_byte ^ old_byte);
+      lost |= static_cast<std::uint8_t>((old_byte & kHasColourBit) ^ colour);
+      all_or |= new_byte;
+      all_and &= new_byte;
+      levels[i] = new_byte;
+    }
+    if (lost != 0) lost_bricks = static_cast<std::uint8_t>(lost_bricks | (1U << brick));
+  }
+  return {differs != 0, all_or == all_and, lost_bricks};
+}
+
+bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free) {
+  std::uint8_t any = 0;
+  for (int i = 0; i < 512; ++i) {
+    const bool occupied = (levels[i] & kLevelMask) > kUnknownLevel;
+    any |= static_cast<std::uint8_t>(occupied & (free[i] == kWeakFree) & (hits[i] == 0));
+  }
+  return any != 0;
+}
+
+const Kernels& table() {
+#define G3D_TEXT_OF(name) #name
+#define G3D_TEXT(name) G3D_TEXT_OF(name)
+  static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT), classify_row, unproject_row, max_filter_row, halve_max_row,
+                                  halve_min_row, project_brick, apply_block, any_contested, walk_rays, walk_bresenham};
+  return kTable;
+}
+
+}  // namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inner loops, compiled once per instruction set (the build passes the flags and names the namespace) and chosen at
+// start. All variants give the same bits: float32 + - * / alone, no contraction, integers. Plain loops over arrays that
+// the compiler turns into vectors; no intrinsics, so the same source serves amd64 and aarch64.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mapper/rgbo.hpp"
+
+namespace g3d::mapper::cpu {
+
+/// Counts of one image row by what its readings are.
+struct RowCounts {
+  std::uint32_t valid = 0;
+  std::uint32_t too_near = 0;
+  std::uint32_t far = 0;
+  std::uint32_t invalid = 0;
+};
+
+inline constexpr std::uint8_t kHitFlag = 1;      ///< a measured point fell into the voxel
+inline constexpr std::uint8_t kColourFlag = 2;   ///< and HitRecord::pixel names the pixel that colours it
+inline constexpr std::uint8_t kWeakFree = 1;     ///< seen through by a pixel without reading only
+inline constexpr std::uint8_t kStrongFree = 3;   ///< seen through by a measured ray
+inline constexpr std::uint32_t kNoBlock = 0xFFFFFFFFU;
+
+struct ClassifyRow {
+  const std::uint16_t* depth;   ///< this row
+  const std::uint16_t* above;   ///< row above, or this row itself at the border
+  const std::uint16_t* below;   ///< row below, or this row itself at the border
+  int width;
+  std::uint16_t near_raw;
+  std::uint16_t far_raw;
+  std::uint16_t* ends;          ///< out: raw depth up to which the pixel's ray carves; 0 = does not
+  std::uint8_t* colour_flag;    ///< out: kColourFlag where the pixel may give its colour (no depth edge), else 0
+};
+
+/// Numbers of one row's back-projection. World point of pixel u: (c + column_slope[u] * r) * z + t, axis by axis.
+struct UnprojectRow {
+  const std::uint16_t* depth;
+  const float* column_slope;
+  int width;
+  std::uint16_t near_raw;
+  std::uint16_t far_raw;
+  float metres_per_unit;
+  float resolution_m;
+  float column[3];       ///< R's first column
+  float row_part[3];     ///< R's second column * row_slope + third column
+  float translation[3];
+  std::int32_t origin[3];
+  std::int32_t nx_blocks;
+  std::int32_t nxy_blocks;
+  std::uint32_t* block_id;  ///< out: block in the frame's box, kNoBlock without a trusted reading
+  std::uint16_t* place;     ///< out: M & 511
+};
+
+/// Everything that is the same for all blocks of a frame in the projective test.
+struct ProjectionTables {
+  alignas(64) float x_px_m[512];  ///< fx times the offset along the camera's x of each place from the block's first voxel
+  alignas(64) float y_px_m[512];
+  alignas(64) float z_units[512];  ///< offset along the optical axis, in raw depth units
+};
+
+/// One brick of 64 voxels against one footprint image.
+struct ProjectBrick {
+  const ProjectionTables* tables;
+  int first_place;            ///< 0, 64, ... 448
+  float x_px_m;               ///< fx * camera x of the block's first voxel
+  float y_px_m;
+  float z_units;              ///< its depth, in raw units
+  float metres_per_unit;
+  float min_z_units;          ///< nearer voxels are never freed
+  float bias_units;           ///< how far beyond the voxel's centre the ray must reach
+  float scale;                ///< 1 / pixels per cell of the footprint image
+  float shift_x;              ///< added to the scaled pixel coordinate: half a window, padding, principal point
+  float shift_y;
+  float last_x;               ///< largest start cell, as float
+  float last_y;
+  int stride;
+  const std::uint16_t* image;
+};
+
+struct ApplyBlock {
+  std::uint8_t* levels;             ///< 512 stored bytes, updated in place
+  const std::uint8_t* hits;         ///< 512 flags, or nullptr: no hit in this block
+  const std::uint8_t* free;         ///< 512 flags, or nullptr: nothing free
+  UpdateSteps steps;
+};
+
+struct ApplyResult {
+  bool changed;
+  bool all_equal;            ///< afterwards all 512 bytes are the same
+  std::uint8_t lost_colour;  ///< bit b: a voxel of brick b lost its colour
+};
+
+inline constexpr int kRayLanes = 16;
+
+/// Up to sixteen neighbouring pixels of one row whose rays walk the frame's byte grid in lockstep.
+struct RayRow {
+  const std::uint16_t* ends;    ///< raw depth of each ray's end; 0 = no ray
+  const std::uint16_t* depth;   ///< the readings: 0 marks a weak ray
+  int lanes;                    ///< 1..16
+  bool strong;                  ///< walk the rays of readings, or those of pixels without one
+  const float* column_slope;    ///< (u - cx) / fx; 16 may be read
+  float metres_per_unit;
+  float resolution_m;
+  float column[3];              ///< as in UnprojectRow
+  float row_part[3];
+  float translation[3];
+  std::int32_t origin[3];       ///< lowest voxel of the grid
+  std::int32_t stride[3];       ///< cells of the byte grid from one voxel to the next along each axis
+  std::uint8_t* grid;
+  std::int32_t spare_cell;      ///< lanes that are done write here
+};
+
+struct Kernels {
+  const char* name;
+  RowCounts (*classify_row)(const ClassifyRow&);
+  void (*unproject_row)(const UnprojectRow&);
+  /// out[x] = max(a[x], a[x + shift], b[x], b[x + shift]) for x in [0, count).
+  void (*max_filter_row)(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
+  /// Halves two rows: out[x] = max (min) over a[2x], a[2x+1], b[2x], b[2x+1].
+  void (*halve_max_row)(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+  void (*halve_min_row)(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+  /// Sets free[first_place .. +64) to kWeakFree or 0; returns whether any was set.
+  bool (*project_brick)(const ProjectBrick&, std::uint8_t* free);
+  ApplyResult (*apply_block)(const ApplyBlock&);
+  /// Is any occupied voxel without a hit marked kWeakFree?
+  bool (*any_contested)(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free);
+  void (*walk_rays)(const RayRow&);
+  void (*walk_bresenham)(const RayRow&);
+};
+
+/// The best variant that this processor runs. `name` may ask for one: "baseline", "avx2", "avx512"; unknown or
+/// unsupported names give the baseline.
+[[nodiscard]] const Kernels& best_kernels();
+[[nodiscard]] const Kernels& kernels_by_name(const char* name);
+
+}  // namespace g3d::mapper::cpu

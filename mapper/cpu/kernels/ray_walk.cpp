@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sixteen rays walk the frame's byte grid in lockstep: neighbours have nearly the same length and touch the same lines.
+#include <cmath>
+#include <limits>
+
+#include "mapper/cpu/kernels/variant.hpp"
+
+namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
+namespace {
+
+using Floats = float __attribute__((vector_size(4 * kRayLanes)));
+using Ints = std::int32_t __attribute__((vector_size(4 * kRayLanes)));
+
+// By reference: a vector this wide as a return value would change the calling convention of the narrower variants.
+template <typename Vector, typename Scalar>
+inline void load(Vector& v, const Scalar* from) {
+  __builtin_memcpy(&v, from, sizeof v);
+}
+
+// Several threads may mark one byte, always with the same value: relaxed atomics cost a plain store.
+inline void mark(std::uint8_t* grid, const Ints& where, std::uint8_t flag) {
+  alignas(64) std::int32_t cells[kRayLanes];
+  __builtin_memcpy(cells, &where, sizeof cells);
+  for (const std::int32_t cell : cells) __atomic_store_n(grid + cell, flag, __ATOMIC_RELAXED);
+}
+
+/// First and last voxel of each ray, relative to the grid's origin, and both ends in voxel units.
+struct RayEndsOfRow {
+  alignas(64) float end[3][kRayLanes];
+  alignas(64) std::int32_t last[3][kRayLanes];
+  alignas(64) std::int32_t active[kRayLanes];
+  float start[3];
+  std::int32_t first[3];
+  bool any = false;
+};
+
+inline void find_ends(const RayRow& row, RayEndsOfRow& rays) {
+  alignas(64) float z_m[kRayLanes];
+  std::int32_t any = 0;
+  for (int lane = 0; lane < kRayLanes; ++lane) {
+    const bool used = lane < row.lanes && row.ends[lane] != 0 && (row.depth[lane] != 0) == row.strong;
+    rays.active[lane] = used ? 1 : 0;
+    z_m[lane] = used ? static_cast<float>(row.ends[lane]) * row.metres_per_unit : 0.0F;
+    any |= rays.active[lane];
+  }
+  rays.any = any != 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    rays.start[axis] = row.translation[axis] / row.resolution_m;
+    rays.first[axis] = static_cast<std::int32_t>(std::ceil(rays.start[axis])) + 32767 - row.origin[axis];
+    for (int lane = 0; lane < kRayLanes; ++lane) {
+      const float p = (row.row_part[axis] + row.column_slope[lane] * row.column[axis]) * z_m[lane] + row.translation[axis];
+      rays.end[axis][lane] = p / row.resolution_m;
+      rays.last[axis][lane] = static_cast<std::int32_t>(std::ceil(rays.end[axis][lane])) + 32767 - row.origin[axis];
+    }
+  }
+}
+
+inline std::int32_t longest_of(const std::int32_t* steps) {
+  std::int32_t most = 0;
+  for (int lane = 0; lane < kRayLanes; ++lane) most = steps[lane] > most ? steps[lane] : most;
+  return most;
+}
+
+}  // namespace
+
+// Amanatides & Woo 1987, branch-free: the axis whose boundary comes first; at a tie x before y before z. As many steps as
+// the keys of both ends are apart, so that a ray ends where its reading lies; the last voxel is not marked.
+void walk_rays(const RayRow& row) {
+  RayEndsOfRow rays;
+  find_ends(row, rays);
+  if (!rays.any) return;
+  alignas(64) float t_first[3][kRayLanes];
+  alignas(64) float t_delta[3][kRayLanes];
+  alignas(64) std::int32_t stride[3][kRayLanes];
+  alignas(64) std::int32_t step_count[kRayLanes] = {};
+  for (int axis = 0; axis < 3; ++axis) {
+    // Voxel k covers (k - 32768, k - 32767] in units of the resolution.
+    const std::int32_t key = rays.first[axis] + row.origin[axis];
+    const float upper = static_cast<float>(key - 32767);
+    const float lower = static_cast<float>(key - 32768);
+    const float start = rays.start[axis];
+    for (int lane = 0; lane < kRayLanes; ++lane) {
+      const std::int32_t apart = rays.last[axis][lane] - rays.first[axis];
+      const std::int32_t count = apart < 0 ? -apart : apart;
+      const float span = rays.end[axis][lane] - start;
+      const float length = span < 0 ? -span : span;
+      const float inverse = 1.0F / (apart != 0 ? length : 1.0F);
+      const float gap = apart > 0 ? upper - start : start - lower;
+      t_first[axis][lane] = apart != 0 ? gap * inverse : std::numeric_limits<float>::infinity();
+      t_delta[axis][lane] = inverse;
+      stride[axis][lane] = apart > 0 ? row.stride[axis] : -row.stride[axis];
+      step_count[lane] += rays.active[lane] != 0 ? count : 0;
+    }
+  }
+  Floats tx, ty, tz, dx, dy, dz;
+  Ints sx, sy, sz, steps;
+  load(tx, t_first[0]);
+  load(ty, t_first[1]);
+  load(tz, t_first[2]);
+  load(dx, t_delta[0]);
+  load(dy, t_delta[1]);
+  load(dz, t_delta[2]);
+  load(sx, stride[0]);
+  load(sy, stride[1]);
+  load(sz, stride[2]);
+  load(steps, step_count);
+  const std::int32_t first_cell =
+      rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
+  Ints cell = Ints{} + first_cell;
+  const Ints spare = Ints{} + row.spare_cell;
+  std::uint8_t* const grid = row.grid;
+  const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
+  for (std::int32_t left = longest_of(step_count); left > 0; --left) {
+    const Ints target = steps > 0 ? cell : spare;
+    mark(grid, target, flag);
+    const Ints x_first = (tx <= ty) & (tx <= tz);
+    const Ints y_first = ~x_first & (ty <= tz);
+    const Ints z_first = ~x_first & ~y_first;
+    tx = x_first ? tx + dx : tx;
+    ty = y_first ? ty + dy : ty;
+    tz = z_first ? tz + dz : tz;
+    cell += x_first ? sx : (y_first ? sy : sz);
+    steps -= 1;
+  }
+}
+
+// Thesis Algorithm 1 on integer keys: one step along the driving axis, the two others when their error term is due.
+void walk_bresenham(const RayRow& row) {
+  RayEndsOfRow rays;
+  find_ends(row, rays);
+  if (!rays.any) return;
+  alignas(64) std::int32_t error[2][kRayLanes];
+  alignas(64) std::int32_t gain[2][kRayLanes];
+  alignas(64) std::int32_t loss_of[kRayLanes];
+  alignas(64) std::int32_t stride[3][kRayLanes];
+  alignas(64) std::int32_t step_count[kRayLanes];
+  for (int lane = 0; lane < kRayLanes; ++lane) {
+    const std::int32_t ax = rays.last[0][lane] - rays.first[0];
+    const std::int32_t ay = rays.last[1][lane] - rays.first[1];
+    const std::int32_t az = rays.last[2][lane] - rays.first[2];
+    const std::int32_t nx = ax < 0 ? -ax : ax;
+    const std::int32_t ny = ay < 0 ? -ay : ay;
+    const std::int32_t nz = az < 0 ? -az : az;
+    const std::int32_t sx = ax > 0 ? row.stride[0] : -row.stride[0];
+    const std::int32_t sy = ay > 0 ? row.stride[1] : -row.stride[1];
+    const std::int32_t sz = az > 0 ? row.stride[2] : -row.stride[2];
+    const bool x_drives = (nx >= ny) & (nx >= nz);
+    const bool y_drives = !x_drives & (ny >= nz);
+    const std::int32_t along = x_drives ? nx : (y_drives ? ny : nz);
+    const std::int32_t first = x_drives ? ny : nx;
+    const std::int32_t second = x_drives | y_drives ? nz : ny;
+    stride[0][lane] = x_drives ? sx : (y_drives ? sy : sz);
+    stride[1][lane] = x_drives ? sy : sx;
+    stride[2][lane] = x_drives | y_drives ? sz : sy;
+    error[0][lane] = 2 * first - along;
+    error[1][lane] = 2 * second - along;
+    gain[0][lane] = 2 * first;
+    gain[1][lane] = 2 * second;
+    loss_of[lane] = 2 * along;
+    step_count[lane] = rays.active[lane] != 0 ? along : 0;
+  }
+  Ints error_a, error_b, gain_a, gain_b, loss, drive, step_a, step_b, steps;
+  load(error_a, error[0]);
+  load(error_b, error[1]);
+  load(gain_a, gain[0]);
+  load(gain_b, gain[1]);
+  load(loss, loss_of);
+  load(drive, stride[0]);
+  load(step_a, stride[1]);
+  load(step_b, stride[2]);
+  load(steps, step_count);
+  const std::int32_t first_cell =
+      rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
+  Ints cell = Ints{} + first_cell;
+  const Ints spare = Ints{} + row.spare_cell;
+  const Ints zero{};
+  std::uint8_t* const grid = row.grid;
+  const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
+  for (std::int32_t left = longest_of(step_count); left > 0; --left) {
+    const Ints target = steps > 0 ? cell : spare;
+    mark(grid, target, flag);
+    const Ints a_due = error_a >= 0;
+    const Ints b_due = error_b >= 0;
+    cell += drive + (a_due ? step_a : zero) + (b_due ? step_b : zero);
+    error_a += gain_a - (a_due ? loss : zero);
+    error_b += gain_b - (b_due ? loss : zero);
+    steps -= 1;
+  }
+}
+
+}  // namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT

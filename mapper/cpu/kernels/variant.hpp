@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Included by the kernel sources only: declares them inside the namespace of the instruction set they are compiled for.
+#pragma once
+
+#include "mapper/cpu/kernels/kernels.hpp"
+
+namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
+
+RowCounts classify_row(const ClassifyRow& row);
+void unproject_row(const UnprojectRow& row);
+void max_filter_row(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
+void halve_max_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+void halve_min_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+bool project_brick(const ProjectBrick& brick, std::uint8_t* free);
+ApplyResult apply_block(const ApplyBlock& block);
+bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free);
+void walk_rays(const RayRow& row);
+void walk_bresenham(const RayRow& row);
+const Kernels& table();
+
+}  // namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Free space by projection: a voxel is free if, in the window of pixels that it covers in the image, some ray ends at
+// least `bias` beyond its centre. Blocks are decided as a whole where the depth pyramid allows it.
+#pragma once
+
+#include "mapper/cpu/footprint_images.hpp"
+#include "mapper/cpu/free_space.hpp"
+#include "mapper/cpu/visible_blocks.hpp"
+
+namespace g3d::mapper::cpu {
+
+/// How the projective test imitates exact rays; measured against `dda` (tests/bench/agreement_bench.cpp).
+struct ProjectiveTuning {
+  float window_scale = 1.0F;  ///< side of the window / side of a voxel seen face on
+  float bias_voxels = 0.5F;   ///< how far beyond a voxel's centre a ray must reach, in half depths of the voxel
+};
+
+/// The numbers of one frame's projective test, shared with the plain twin.
+struct ProjectiveFrame {
+  float window_px_m;   ///< a voxel at depth z m covers window_px_m / z pixels
+  float bias_m;
+  float bias_units;
+  float min_z_units;   ///< voxels nearer than half a voxel are left alone
+};
+[[nodiscard]] ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
+                                               const ProjectiveTuning& tuning);
+
+class Projective final : public FreeSpace {
+ public:
+  explicit Projective(const SensorGeometry& sensor, ProjectiveTuning tuning = {});
+  void offer(const FrameWork& work) override;
+
+ private:
+  /// Flags of a block that has to be looked at voxel by voxel; false if none is free.
+  [[nodiscard]] bool look(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
+                          FreeFlags& flags) const;
+  /// Is the voxel free by measured rays alone? The slow, plain way: few voxels need it.
+  [[nodiscard]] bool is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
+                               int place) const;
+  void fill_tables(const SensorGeometry& sensor, const FrameGeometry& frame);
+
+  ProjectiveTuning tuning_;
+  FootprintImages images_;
+  ProjectionTables tables_{};
+};
+
+}  // namespace g3d::mapper::cpu

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cpu/ray_ends.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace g3d::mapper::cpu {
+namespace {
+
+constexpr std::uint16_t kUnbounded = 0xFFFF;
+constexpr int kRowsPerChunk = 32;
+constexpr int kColumnsPerChunk = 64;
+
+std::uint32_t chunks_of(int count, int size) { return static_cast<std::uint32_t>((count + size - 1) / size); }
+
+}  // namespace
+
+RayEnds::RayEnds(const SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask, std::uint16_t mask_raw,
+                 bool carve_invalid)
+    : sensor_(&sensor),
+      width_(sensor.camera.width_px),
+      height_(sensor.camera.height_px),
+      stride_((width_ + 2 * kImagePadding + 31) / 32 * 32),
+      carve_invalid_(carve_invalid),
+      mask_(sensor.camera.pixel_count(), std::min(mask_raw, sensor.far_raw)),
+      ends_(static_cast<std::size_t>(stride_ * (height_ + 2 * kImagePadding)) + 64U, 0),
+      row_bound_(sensor.camera.pixel_count()),
+      column_state_(sensor.camera.pixel_count()),
+      colour_flags_(sensor.camera.pixel_count()),
+      row_counts_(static_cast<std::size_t>(height_)) {
+  for (std::size_t i = 0; i < std::min(scan_mask.size(), mask_.size()); ++i) {
+    mask_[i] = std::min(scan_mask[i], sensor.far_raw);
+  }
+}
+
+void RayEnds::compute(const std::uint16_t* depth, const Kernels& kernels, ThreadPool& pool) {
+  depth_ = depth;
+  pool.parallel_for(chunks_of(height_, kRowsPerChunk), [&](std::uint32_t chunk) {
+    const int first = static_cast<int>(chunk) * kRowsPerChunk;
+    const int end = std::min(height_, first + kRowsPerChunk);
+    classify_rows(first, end, kernels);
+    if (carve_invalid_) bound_by_rows(first, end);
+  });
+  counts_ = {};
+  for (const RowCounts& row : row_counts_) {
+    counts_.valid += row.valid;
+    counts_.too_near += row.too_near;
+    counts_.far += row.far;
+    counts_.invalid += row.invalid;
+  }
+  if (!carve_invalid_ || counts_.invalid == 0) return;
+  pool.parallel_for(chunks_of(width_, kColumnsPerChunk), [&](std::uint32_t chunk) {
+    const int first = static_cast<int>(chunk) * kColumnsPerChunk;
+    bound_by_columns(first, std::min(width_, first + kColumnsPerChunk));
+  });
+}
+
+void RayEnds::classify_rows(int first, int end, const Kernels& kernels) {
+  for (int v = first; v < end; ++v) {
+    const std::uint16_t* row = depth_ + v * width_;
+    row_counts_[static_cast<std::size_t>(v)] = kernels.classify_row(
+        {row, v > 0 ? row - width_ : row, v + 1 < height_ ? row + width_ : row, width_, sensor_->near_raw,
+         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_});
+  }
+}
+
+void RayEnds::bound_by_rows(int first, int end) {
+  for (int v = first; v < end; ++v) {
+    if (row_counts_[static_cast<std::size_t>(v)].invalid == 0) continue;
+    const std::uint16_t* row = depth_ + v * width_;
+    std::uint16_t* bound = row_bound_.data() + v * width_;
+    for (int u = 0; u < width_;) {
+      if (row[u] != 0) {
+        ++u;
+        continue;
+      }
+      int run_end = u + 1;
+      while (run_end < width_ && row[run_end] == 0) ++run_end;
+      std::uint16_t nearest = u > 0 ? row[u - 1] : kUnbounded;
+      if (run_end < width_) nearest = std::min(nearest, row[run_end]);
+      std::fill(bound + u, bound + run_end, nearest);
+      u = run_end;
+    }
+  }
+}
+
+void RayEnds::bound_by_columns(int first, int end) {
+  const int count = end - first;
+  std::uint16_t last[kColumnsPerChunk];
+  // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order.
+  std::fill(last, last + count, kUnbounded);
+  for (int v = 0; v < height_; ++v) {
+    const std::uint16_t* row = depth_ + v * width_ + first;
+    std::uint16_t* above = column_state_.data() + v * width_ + first;
+    for (int i = 0; i < count; ++i) {
+      above[i] = last[i];
+      last[i] = row[i] != 0 ? row[i] : last[i];
+    }
+  }
+  // Upwards: the reading below, and all four together.
+  std::fill(last, last + count, kUnbounded);
+  for (int v = height_ - 1; v >= 0; --v) {
+    const std::uint16_t* row = depth_ + v * width_ + first;
+    if (row_counts_[static_cast<std::size_t>(v)].invalid != 0) {
+      const std::uint16_t* above = column_state_.data() + v * width_ + first;
+      const std::uint16_t* along = row_bound_.data() + v * width_ + first;
+      const std::uint16_t* mask = mask_.data() + v * width_ + first;
+      std::uint16_t* ends = ends_.data() + index(first, v);
+      for (int i = 0; i < count; ++i) {
+        const std::uint16_t nearest = std::min(std::min(above[i], last[i]), along[i]);
+        const bool carves = nearest != kUnbounded && nearest >= sensor_->near_raw;
+        const std::uint16_t weak = carves ? std::min(mask[i], nearest) : std::uint16_t{0};
+        ends[i] = row[i] != 0 ? ends[i] : weak;
+      }
+    }
+    for (int i = 0; i < count; ++i) last[i] = row[i] != 0 ? row[i] : last[i];
+  }
+}
+
+}  // namespace g3d::mapper::cpu

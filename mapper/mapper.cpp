@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/mapper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mapper/cpu/block_updater.hpp"
+#include "mapper/cpu/depth_pyramid.hpp"
+#include "mapper/cpu/free_space.hpp"
+#include "mapper/cpu/hit_scatter.hpp"
+#include "mapper/cpu/projective.hpp"
+#include "mapper/cpu/ray_ends.hpp"
+#include "mapper/cpu/ray_grid.hpp"
+
+namespace g3d::mapper {
+namespace {
+
+constexpr std::array<const char*, 3> kIntegratorNames{"dda", "bresenham", "projective"};
+constexpr std::array<const char*, 2> kModeNames{"static", "dynamic"};
+
+std::uint16_t mask_raw(const MapperConfig& config, const hal::CameraModel& camera) {
+  const float raw = std::nearbyint(config.mask_depth_m * camera.depth_units_per_metre);
+  return static_cast<std::uint16_t>(std::clamp(raw, 0.0F, 65535.0F));
+}
+
+std::unique_ptr<cpu::FreeSpace> make_free_space(const MapperConfig& config, const cpu::SensorGeometry& sensor) {
+  if (config.mode == MapMode::static_mode) return nullptr;
+  if (config.integrator == IntegratorKind::projective) return std::make_unique<cpu::Projective>(sensor);
+  return std::make_unique<cpu::RayGrid>(sensor, config.integrator);
+}
+
+}  // namespace
+
+const char* to_string(IntegratorKind kind) { return kIntegratorNames[static_cast<std::size_t>(kind)]; }
+const char* to_string(MapMode mode) { return kModeNames[static_cast<std::size_t>(mode)]; }
+
+std::optional<IntegratorKind> integrator_from_string(std::string_view name) {
+  for (std::size_t i = 0; i < kIntegratorNames.size(); ++i) {
+    if (name == kIntegratorNames[i]) return static_cast<IntegratorKind>(i);
+  }
+  return std::nullopt;
+}
+
+std::optional<MapMode> mode_from_string(std::string_view name) {
+  for (std::size_t i = 0; i < kModeNames.size(); ++i) {
+    if (name == kModeNames[i]) return static_cast<MapMode>(i);
+  }
+  return std::nullopt;
+}
+
+struct Mapper::Parts {
+  Parts(const MapperConfig& settings, const hal::CameraModel& camera, std::span<const std::uint16_t> scan_mask)
+      : config(settings),
+        sensor(camera, settings.resolution_m, settings.near_m, settings.far_m),
+        map(Grid{settings.resolution_m}, settings.capacity),
+        pool(settings.threads),
+        kernels(cpu::best_kernels()),
+        ends(sensor, scan_mask, mask_raw(settings, camera), settings.carve_invalid),
+        pyramid(camera.width_px, camera.height_px),
+        hits(sensor),
+        updater(map, sensor, settings.steps),
+        free_space(make_free_space(settings, sensor)) {}
+
+  /// Hits that no free block took along: all of them in static mode.
+  void offer_remaining_hits(const cpu::FrameGeometry& frame, std::uint32_t chunk) {
+    for (int s = 0; s < cpu::HitScatter::kShards; ++s) {
+      for (const std::uint32_t index : hits.shard(s)) {
+        cpu::HitRecord& record = hits.record(index);
+        if (record.consumed == 0) updater.offer_hits(chunk, frame.block_key(record.block_id), record);
+      }
+    }
+  }
+
+  MapperConfig config;
+  cpu::SensorGeometry sensor;
+  VoxelMap map;
+  cpu::ThreadPool pool;
+  const cpu::Kernels& kernels;
+  cpu::RayEnds ends;
+  cpu::DepthPyramid pyramid;
+  cpu::HitScatter hits;
+  cpu::BlockUpdater updater;
+  std::unique_ptr<cpu::FreeSpace> free_space;
+  std::uint32_t frame_number = 0;
+};
+
+Mapper::Mapper(const MapperConfig& config, const hal::CameraModel& camera, std::span<const std::uint16_t> scan_mask)
+    : parts_(std::make_unique<Parts>(config, camera, scan_mask)) {}
+Mapper::~Mapper() = default;
+
+FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_camera) {
+  Parts& p = *parts_;
+  FrameReport report;
+  const auto geometry = cpu::frame_geometry(p.sensor, hal::to_transform(T_world_camera));
+  if (!geometry) {
+    report.status = FrameStatus::out_of_range;
+    return report;
+  }
+  ++p.frame_number;
+  const std::uint8_t* rgb = p.config.with_colour && frame.has_colour ? frame.rgb.get() : nullptr;
+  p.ends.compute(frame.depth.get(), p.kernels, p.pool);
+  p.hits.clear();
+  p.hits.compute(*geometry, p.ends, p.kernels, p.pool);
+  std::uint32_t last_chunk = 0;
+  if (p.free_space != nullptr) {
+    p.pyramid.compute(p.ends, p.pool);
+    p.free_space->offer({p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb, p.frame_number});
+    last_chunk = p.updater.chunks() - 1;
+  } else {
+    p.updater.begin(*geometry, rgb, p.kernels, p.frame_number, 1, geometry->block_count());
+  }
+  p.offer_remaining_hits(*geometry, last_chunk);
+  report.refused_blocks = p.updater.finish(p.pool);
+  if (report.refused_blocks > 0) report.status = FrameStatus::pool_full;
+  report.valid_pixels = p.ends.counts().valid;
+  report.too_near_pixels = p.ends.counts().too_near;
+  report.far_pixels = p.ends.counts().far;
+  report.invalid_pixels = p.ends.counts().invalid;
+  report.hit_blocks = p.hits.block_count();
+  return report;
+}
+
+void Mapper::free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m) {
+  VoxelMap& map = parts_->map;
+  const double r = static_cast<double>(map.grid().resolution_m);
+  const auto low = [&](double x) { return map.grid().to_index(static_cast<float>(x)); };
+  BlockValues values;
+  const VoxelIndex lowest{low(base_m[0] - radius_m), low(base_m[1] - radius_m), low(base_m[2])};
+  const VoxelIndex highest{low(base_m[0] + radius_m), low(base_m[1] + radius_m), low(base_m[2] + height_m)};
+  if (!is_inside_grid(lowest) || !is_inside_grid(highest)) return;
+  for (std::int32_t bz = lowest.z & ~7; bz <= highest.z; bz += 8) {
+    for (std::int32_t by = lowest.y & ~7; by <= highest.y; by += 8) {
+      for (std::int32_t bx = lowest.x & ~7; bx <= highest.x; bx += 8) {
+        const BlockKey key = block_of({bx, by, bz});
+        map.read_stored_block(key, values);
+        bool touched = false;
+        for (std::size_t place = 0; place < values.size(); ++place) {
+          const VoxelIndex in_block = decode(place);
+          const VoxelIndex v{bx + in_block.x, by + in_block.y, bz + in_block.z};
+          const auto c = map.grid().centre_m(v);
+          const double dx = c[0] - base_m[0];
+          const double dy = c[1] - base_m[1];
+          const bool inside = dx * dx + dy * dy <= (radius_m + 0.5 * r) * (radius_m + 0.5 * r) && v.z >= lowest.z && v.z <= highest.z;
+          if (!inside || level_of(values[place]) != kUnknownLevel) continue;
+          values[place] = after_miss(kUnknownLevel, parts_->config.steps);
+          touched = true;
+        }
+        if (touched) (void)map.write_block(key, values);
+      }
+    }
+  }
+}
+
+std::span<const std::uint32_t> Mapper::changed_slots() const { return parts_->updater.changed_slots(); }
+VoxelMap& Mapper::map() { return parts_->map; }
+const VoxelMap& Mapper::map() const { return parts_->map; }
+const MapperConfig& Mapper::config() const { return parts_->config; }
+
+}  // namespace g3d::mapper
