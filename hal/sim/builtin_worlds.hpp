@@ -7,13 +7,8 @@
 //   visitor         a plain room that a person walks through while the camera stands still
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
-
-#include "hal/result.hpp"
-#include "hal/sim/camera_path.hpp"
-#include "hal/sim/world.hpp"
 
 namespace g3d::hal {
 
@@ -21,10 +16,5 @@ namespace g3d::hal {
 /// The text, or empty if there is no such name.
 [[nodiscard]] std::string_view builtin_world(std::string_view name);
 [[nodiscard]] std::string_view builtin_path(std::string_view name);
-
-/// A built-in name, a world file, or a map_server yaml file (known by .yaml or .yml).
-[[nodiscard]] Result<World> load_world(const std::string& name_or_file);
-/// A built-in name or a camera path file.
-[[nodiscard]] Result<CameraPath> load_camera_path(const std::string& name_or_file);
 
 }  // namespace g3d::hal

@@ -10,10 +10,10 @@ using Vec = std::array<float, 3>;
 
 constexpr Vec kMainLamp = {0.36F, 0.48F, 0.80F};     // unit vectors towards the lamps
 constexpr Vec kSecondLamp = {-0.64F, -0.48F, 0.60F};
-constexpr float kAmbient = 0.46F;
-constexpr float kMainLight = 0.38F;
-constexpr float kSecondLight = 0.18F;
-constexpr float kCameraLight = 0.14F;
+constexpr float kAmbient = 0.60F;
+constexpr float kMainLight = 0.40F;
+constexpr float kSecondLight = 0.22F;
+constexpr float kCameraLight = 0.12F;
 constexpr float kHaze_perm = 0.025F;
 
 float dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
