@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// `g3dmap replay` and `g3dmap sim`: builds a camera, its poses, a mapper and a writer, joins them and lets them run.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "hal/clock.hpp"
+#include "hal/image/file_bytes.hpp"
+#include "hal/replay/recorded_poses.hpp"
+#include "hal/replay/replay_camera.hpp"
+#include "hal/replay/trajectory_file.hpp"
+#include "hal/sim/builtin_worlds.hpp"
+#include "hal/sim/load_world.hpp"
+#include "hal/sim/sim_camera.hpp"
+#include "main_commands.hpp"
+#include "mapper/map_hash.hpp"
+#include "mapper/mapper.hpp"
+#include "mapper/pipeline.hpp"
+#include "mapper/progress_bar.hpp"
+#include "mapper/report.hpp"
+#include "mapper/run_sink.hpp"
+#include "mapper/scan_mask.hpp"
+#include "mapper/summary.hpp"
+#include "mapper/version.hpp"
+#include "nav/outputs.hpp"
+
+namespace g3d {
+namespace {
+
+// Below, the recording shows no wall that fills the view.
+constexpr double kLeastMaskCoverage = 0.5;
+
+// The first Ctrl-C lets the frames under way finish and saves the map, the second one ends the program at once.
+std::atomic<mapper::Pipeline*> running_pipeline{nullptr};
+std::atomic<int> stop_signals{0};
+
+void on_stop_signal(int) {
+  if (stop_signals.fetch_add(1) > 0) _exit(130);
+  if (mapper::Pipeline* pipeline = running_pipeline.load()) pipeline->request_stop();
+}
+
+void catch_stop_signals(mapper::Pipeline& pipeline) {
+  running_pipeline.store(&pipeline);
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;  // a file that is being read or written is not to blame
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int fail(const std::string& text) {
+  fmt::print(stderr, "g3dmap: {}\n", text);
+  return kExitFailed;
+}
+
+struct Source {
+  hal::DepthCamera& camera;
+  const hal::PoseSource& poses;
+  std::vector<std::string> notes;
+};
+
+mapper::MapperConfig mapper_config(const MappingOptions& options) {
+  mapper::MapperConfig config;
+  config.resolution_m = static_cast<float>(options.resolution_m);
+  config.integrator = *mapper::integrator_from_string(options.integrator);
+  config.mode = *mapper::mode_from_string(options.mode);
+  config.with_colour = !options.no_colour;
+  config.threads = options.threads;
+  config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(options.memory_mib) << 20);
+  return config;
+}
+
+hal::Result<void> make_folder(const std::string& path) {
+  std::error_code code;
+  std::filesystem::create_directories(path, code);
+  if (code) {
+    return hal::Error{hal::Reason::io_error,
+                      fmt::format("{}: cannot create this folder: {}; choose another --out", path, code.message())};
+  }
+  return {};
+}
+
+mapper::ProgressStyle progress_style(const MappingOptions& options) {
+  if (options.quiet) return mapper::ProgressStyle::quiet;
+  return isatty(STDERR_FILENO) != 0 ? mapper::ProgressStyle::terminal : mapper::ProgressStyle::plain;
+}
+
+mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::VoxelMap& map,
+                              const MappingOptions& options, const std::string& command_line) {
+  mapper::RunReport report;
+  report.frames = pipeline.frames();
+  for (std::size_t i = 0; i < mapper::kStageCount; ++i) {
+    const auto stage = static_cast<mapper::Stage>(i);
+    report.stages.push_back({to_string(stage), pipeline.times(stage)});
+  }
+  const mapper::MapCounts counts = map.counts();
+  report.resolution_m = options.resolution_m;
+  report.occupied = counts.occupied;
+  report.free = counts.free;
+  report.memory_bytes = map.memory().used_bytes;
+  report.hash = map_hash(map);
+  report.command = command_line;
+  report.version = mapper::version();
+  report.seed = options.seed;
+  report.threads = options.threads;
+  report.board = options.board_path.empty() ? "laptop" : options.board_path;
+  if (pipeline.was_interrupted()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
+  if (pipeline.pool_full_frames() > 0) {
+    report.notes.push_back(fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory",
+                                       pipeline.pool_full_frames()));
+  }
+  return report;
+}
+
+/// What every mapping command does once it has a camera and poses.
+int map_source(Source source, const MappingOptions& options, const std::string& command_line) {
+  if (options.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
+  if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
+  const std::string trajectory_path = options.out_dir + "/trajectory.tum";
+  auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
+  if (!trajectory) return fail(trajectory.error().text);
+
+  std::vector<std::uint16_t> mask;
+  if (!options.mask_path.empty()) {
+    auto loaded = mapper::load_scan_mask(options.mask_path, source.camera.model());
+    if (!loaded) return fail(loaded.error().text);
+    mask = std::move(loaded).value();
+  }
+
+  mapper::Mapper mapper(mapper_config(options), source.camera.model(), mask);
+  hal::RealClock clock;
+  mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
+  mapper::RunSink sink(trajectory.value(), bar, clock);
+  mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock, {.rate = options.rate});
+  catch_stop_signals(pipeline);
+  const hal::TimeNs start_ns = clock.now();
+  pipeline.run();
+  const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
+  running_pipeline.store(nullptr);
+
+  std::vector<hal::Error> failures;
+  if (const auto finished = sink.finish(); !finished) failures.push_back(finished.error());
+  mapper::RunReport report = make_report(pipeline, mapper.map(), options, command_line);
+  report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
+  if (const std::string error = source.camera.last_error(); !error.empty()) report.notes.push_back(error);
+
+  nav::OutputOptions output_options;
+  output_options.meta.steps = mapper.config().steps;
+  nav::Outputs outputs = nav::write_outputs(mapper.map(), output_options, options.out_dir);
+  report.file_bytes = outputs.map_file_bytes;
+  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+  const std::string json = to_json(report);
+  const std::string report_path = options.out_dir + "/report.json";
+  if (const auto written = hal::write_file_atomic(report_path, json); !written) {
+    failures.push_back(written.error());
+  } else {
+    outputs.files.push_back({report_path, "what happened", json.size()});
+  }
+
+  if (options.json) {
+    fmt::print("{}", json);
+  } else if (!options.quiet) {
+    fmt::print("{}", summary_text(report, run_s, outputs.files));
+  }
+  for (const hal::Error& failure : failures) (void)fail(failure.text);
+  if (report.frames.integrated == 0 && !pipeline.was_interrupted()) {
+    return fail(report.frames.delivered == 0 ? "the source delivered no frames, so the map is empty"
+                                             : "no frame reached the map; the report counts why under frames.dropped");
+  }
+  return failures.empty() ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+int run_replay(const ReplayOptions& options, const std::string& command_line) {
+  auto camera = hal::ReplayCamera::open(options.log_dir);
+  if (!camera) return fail(camera.error().text);
+  auto poses = hal::RecordedPoses::open(options.log_dir, options.poses_path);
+  if (!poses) return fail(poses.error().text);
+  if (!options.mapping.quiet) {
+    for (const std::string& warning : camera.value()->warnings()) fmt::print(stderr, "g3dmap: warning: {}\n", warning);
+  }
+  return map_source({*camera.value(), *poses.value(), camera.value()->warnings()}, options.mapping, command_line);
+}
+
+int run_sim(const SimOptions& options, const std::string& command_line) {
+  const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
+  auto world = hal::load_world(world_name);
+  if (!world) return fail(world.error().text);
+  if (options.camera_path == "builtin" && hal::builtin_path(world_name).empty()) {
+    fmt::print(stderr, "g3dmap: --world {} is a file, so its drive must be given: --camera-path FILE\n", options.world);
+    return kExitBadUsage;
+  }
+  const std::string path_name = options.camera_path == "builtin" ? world_name : options.camera_path;
+  auto path = hal::load_camera_path(path_name);
+  if (!path) return fail(path.error().text);
+
+  hal::SimCameraOptions camera_options;
+  camera_options.renderer.noise = !options.no_noise;
+  camera_options.renderer.seed = options.mapping.seed;
+  camera_options.renderer.threads = options.mapping.threads;
+  camera_options.rate_hz = options.frame_rate_hz;
+  if (options.duration_s > 0.0) {
+    camera_options.max_frames = static_cast<std::size_t>(std::max(1.0, options.duration_s * options.frame_rate_hz));
+  }
+  hal::SimPoses poses(path.value());
+  hal::SimCamera camera(std::move(world).value(), std::move(path).value(), camera_options);
+  return map_source({camera, poses, {}}, options.mapping, command_line);
+}
+
+int run_mask(const MaskOptions& options) {
+  auto camera = hal::ReplayCamera::open(options.log_dir);
+  if (!camera) return fail(camera.error().text);
+  const hal::CameraModel& model = camera.value()->model();
+  mapper::ScanMaskBuilder builder(model);
+  hal::Frame frame = hal::make_frame(model);
+  std::size_t frames = 0;
+  for (auto read = camera.value()->read(frame); read.event != hal::CameraEvent::end;
+       read = camera.value()->read(frame)) {
+    if (read.event != hal::CameraEvent::frame) continue;
+    builder.add(frame);
+    ++frames;
+  }
+  if (builder.coverage() < kLeastMaskCoverage) {
+    return fail(
+        fmt::format("{}: only {:.0f} % of the pixels ever gave a reading in {} frames; record a plain wall that "
+                    "fills the view, about 3 m away",
+                    options.log_dir, 100.0 * builder.coverage(), frames));
+  }
+  if (const auto saved = mapper::save_scan_mask(options.out, model, builder.mask()); !saved)
+    return fail(saved.error().text);
+  fmt::print("{}  from {} frames, {:.1f} % of the pixels may carve\n", options.out, frames, 100.0 * builder.coverage());
+  return kExitDone;
+}
+
+}  // namespace g3d

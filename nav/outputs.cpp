@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "mapper/files/map_file.hpp"
+#include "mapper/files/octomap_write.hpp"
+#include "mapper/files/point_cloud.hpp"
+#include "nav/ground_file.hpp"
+
+namespace g3d::nav {
+namespace {
+
+struct Format {
+  const char* ending;
+  const char* what;
+  hal::Result<void> (*write)(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& path);
+};
+
+/// Forgets the value, keeps the error.
+template <typename T>
+hal::Result<void> outcome(const hal::Result<T>& result) {
+  if (!result.ok()) return result.error();
+  return {};
+}
+
+hal::Result<void> write_native(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& path) {
+  return outcome(save_map(map, options.meta, path));
+}
+
+hal::Result<void> write_tree(const mapper::VoxelMap& map, const OutputOptions&, const std::string& path) {
+  return write_octomap(map, path);
+}
+
+hal::Result<void> write_points(const mapper::VoxelMap& map, const OutputOptions&, const std::string& path) {
+  return outcome(write_point_cloud(map, path));
+}
+
+hal::Result<void> write_ground_map(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& path) {
+  return write_ground(project_to_ground(map, options.band), path.substr(0, path.rfind('.')));
+}
+
+constexpr std::array kFormats{
+    Format{".g3d", "the map itself", write_native},
+    Format{".ot", "OctoMap with colours", write_tree},
+    Format{".bt", "OctoMap, occupied and free", write_tree},
+    Format{".ply", "points with colours", write_points},
+    Format{".pcd", "points with colours", write_points},
+    Format{".yaml", "ground map for map_server, with its .pgm", write_ground_map},
+};
+
+}  // namespace
+
+hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const OutputOptions& options,
+                                          const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  for (const Format& format : kFormats) {
+    if (ending != format.ending) continue;
+    if (const auto written = format.write(map, options, path); !written) return written.error();
+    std::error_code ignored;
+    const auto bytes = std::filesystem::file_size(path, ignored);
+    return mapper::WrittenFile{path, format.what, ignored ? 0 : bytes};
+  }
+  return hal::Error{
+      hal::Reason::unsupported,
+      fmt::format("{}: no format is known by the ending '{}'; use .g3d, .ot, .bt, .ply, .pcd or .yaml", path, ending)};
+}
+
+Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& folder) {
+  Outputs outputs;
+  for (const char* name : {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml"}) {
+    auto written = write_as(map, options, folder + "/" + name);
+    if (!written) {
+      outputs.failures.push_back(written.error());
+      continue;
+    }
+    if (outputs.files.empty() && outputs.failures.empty()) outputs.map_file_bytes = written.value().bytes;
+    outputs.files.push_back(std::move(written).value());
+  }
+  return outputs;
+}
+
+}  // namespace g3d::nav

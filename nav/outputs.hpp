@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a finished map is written as: all files of `--out DIR`, or one file in the format that its ending names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/result.hpp"
+#include "mapper/files/map_header.hpp"
+#include "mapper/summary.hpp"
+#include "mapper/voxel_map.hpp"
+#include "nav/ground_grid.hpp"
+
+namespace g3d::nav {
+
+struct OutputOptions {
+  mapper::MapFileMeta meta;  ///< goes into the native file
+  HeightBand band;           ///< of the ground map
+};
+
+/// .g3d .ot .bt .ply .pcd .yaml (with its .pgm) .png; anything else is refused (unsupported).
+[[nodiscard]] hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const OutputOptions& options,
+                                                        const std::string& path);
+
+struct Outputs {
+  std::vector<mapper::WrittenFile> files;
+  std::vector<hal::Error> failures;  ///< of the files that could not be written; the others are there
+  std::uint64_t map_file_bytes = 0;
+};
+
+/// map.g3d first, then map.ot, map.bt, map.ply, ground.pgm + ground.yaml, map.png: one that fails does not stop the
+/// rest.
+[[nodiscard]] Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options,
+                                    const std::string& folder);
+
+}  // namespace g3d::nav
