@@ -11,8 +11,8 @@ CCACHE := $(shell command -v ccache 2>/dev/null)
 export CCACHE_SLOPPINESS ?= pch_defines,time_macros
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
-# g++ 12 sees overlapping copies in std::string that are none (GCC bug 105651).
-WARN += $(if $(findstring clang,$(CXX)),,-Wno-restrict)
+# g++ 12 sees overlapping copies in std::string that are none (GCC bug 105651), and the like in {fmt}.
+WARN += $(if $(findstring clang,$(CXX)),,-Wno-restrict -Wno-stringop-overflow)
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
 FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE)
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)

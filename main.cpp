@@ -52,29 +52,22 @@ LOG is a recording of a plain wall that fills the view.)";
 
 void add_mapping_options(CLI::App& command, MappingOptions& options) {
   command.add_option("--out", options.out_dir, "Folder for what is made; it is created if need be")->required();
-  command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")
-      ->check(CLI::Range(0.002, 1.0))
-      ->capture_default_str();
+  command.add_option("--board", options.board_path, "Board file (toml); it gives the defaults of what follows");
+  command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
   command.add_option("--integrator", options.integrator, "How free space is found")
-      ->check(CLI::IsMember({"dda", "bresenham", "projective"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"dda", "bresenham", "projective"}));
   command.add_option("--mode", options.mode, "static keeps occupied voxels only")
-      ->check(CLI::IsMember({"static", "dynamic"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"static", "dynamic"}));
   command.add_option("--mapper", options.mapper, "Where the map is computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads of the mapper; the map is the same for any number")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 64));
   command.add_option("--rate", options.rate, "Real time, this many times as fast as recorded; 0: as fast as possible")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--memory", options.memory_mib, "Limit of the map's memory in MiB")
-      ->check(CLI::Range(16, 1 << 20))
-      ->capture_default_str();
+  command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));
   command.add_option("--mask", options.mask_path, "Free scan mask, a picture made by g3dmap mask");
-  command.add_option("--board", options.board_path, "Board file (toml); without it a laptop with a Kinect 360");
   command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
   command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
   command.add_flag("--quiet", options.quiet, "No progress and no summary");
@@ -117,9 +110,8 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_option("--duration", sim.duration_s, "Stop after so many simulated seconds; 0: where the path ends")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  sim_command->add_option("--fps", sim.frame_rate_hz, "Frames per simulated second")
-      ->check(CLI::Range(0.1, 240.0))
-      ->capture_default_str();
+  sim_command->add_option("--fps", sim.frame_rate_hz, "Frames per simulated second; default: the board's")
+      ->check(CLI::Range(0.1, 240.0));
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
   add_mapping_options(*sim_command, sim.mapping);
 

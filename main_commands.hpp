@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,19 +14,19 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitBadUsage = 2;
 
-/// Options that mean the same for every command that maps.
+/// Options that mean the same for every command that maps. What is not given comes from the board.
 struct MappingOptions {
   std::string out_dir;
-  std::string integrator = "projective";
-  std::string mode = "dynamic";
-  std::string mapper = "auto";
-  std::string board_path;  ///< empty: the built-in laptop
+  std::string board_path;  ///< empty: the built-in host_sim
   std::string mask_path;   ///< empty: free scan mask from the intrinsics
-  double resolution_m = 0.05;
-  int threads = 1;
+  std::optional<std::string> integrator;
+  std::optional<std::string> mode;
+  std::optional<double> resolution_m;
+  std::optional<int> threads;
+  std::optional<int> memory_mb;  ///< what the map may grow to
+  std::string mapper = "auto";
   std::uint64_t seed = 1;
-  double rate = 0.0;                ///< 0: lockstep
-  std::uint64_t memory_mib = 2048;  ///< what the map may grow to
+  double rate = 0.0;  ///< 0: lockstep
   bool no_colour = false;
   bool quiet = false;
   bool json = false;
@@ -41,8 +42,8 @@ struct SimOptions {
   MappingOptions mapping;
   std::string world = "builtin";  ///< our world file, a map_server yaml, or builtin
   std::string camera_path = "builtin";
-  double duration_s = 0.0;  ///< 0: to the end of the path
-  double frame_rate_hz = 30.0;
+  double duration_s = 0.0;              ///< 0: to the end of the path
+  std::optional<double> frame_rate_hz;  ///< none: the board camera's
   bool no_noise = false;
 };
 

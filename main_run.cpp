@@ -10,6 +10,7 @@
 #include <memory>
 #include <utility>
 
+#include "board/board_file.hpp"
 #include "hal/clock.hpp"
 #include "hal/image/file_bytes.hpp"
 #include "hal/replay/recorded_poses.hpp"
@@ -66,15 +67,42 @@ struct Source {
   std::vector<std::string> notes;
 };
 
-mapper::MapperConfig mapper_config(const MappingOptions& options) {
+/// The board of the file, or the built-in one, with what the command line says instead.
+hal::Result<board::Board> effective_board(const MappingOptions& options) {
+  hal::Result<board::Board> loaded =
+      options.board_path.empty() ? board::Board{} : board::load_board(options.board_path);
+  if (!loaded) return loaded;
+  board::Board& board = loaded.value();
+  board.map_resolution_m = options.resolution_m.value_or(board.map_resolution_m);
+  board.map_integrator = options.integrator.value_or(board.map_integrator);
+  board.map_mode = options.mode.value_or(board.map_mode);
+  board.map_threads = options.threads.value_or(board.map_threads);
+  board.map_memory_mb = options.memory_mb.value_or(board.map_memory_mb);
+  return loaded;
+}
+
+mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptions& options) {
   mapper::MapperConfig config;
-  config.resolution_m = static_cast<float>(options.resolution_m);
-  config.integrator = *mapper::integrator_from_string(options.integrator);
-  config.mode = *mapper::mode_from_string(options.mode);
+  config.resolution_m = static_cast<float>(board.map_resolution_m);
+  config.integrator = *mapper::integrator_from_string(board.map_integrator);
+  config.mode = *mapper::mode_from_string(board.map_mode);
+  config.steps = {static_cast<std::uint8_t>(board.map_hit), static_cast<std::uint8_t>(board.map_miss)};
+  config.near_m = static_cast<float>(board.map_near_m);
+  config.far_m = static_cast<float>(board.map_far_m);
   config.with_colour = !options.no_colour;
-  config.threads = options.threads;
-  config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(options.memory_mib) << 20);
+  config.threads = board.map_threads;
+  config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(board.map_memory_mb) * 1'000'000);
   return config;
+}
+
+hal::CameraModel camera_model(const board::Board& board) {
+  return {.width_px = board.camera_width_px,
+          .height_px = board.camera_height_px,
+          .fx_px = static_cast<float>(board.camera_fx_px),
+          .fy_px = static_cast<float>(board.camera_fy_px),
+          .cx_px = static_cast<float>(board.camera_cx_px),
+          .cy_px = static_cast<float>(board.camera_cy_px),
+          .depth_units_per_metre = static_cast<float>(board.camera_depth_units_per_metre)};
 }
 
 hal::Result<void> make_folder(const std::string& path) {
@@ -92,8 +120,8 @@ mapper::ProgressStyle progress_style(const MappingOptions& options) {
   return isatty(STDERR_FILENO) != 0 ? mapper::ProgressStyle::terminal : mapper::ProgressStyle::plain;
 }
 
-mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::VoxelMap& map,
-                              const MappingOptions& options, const std::string& command_line) {
+mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::VoxelMap& map, const board::Board& board,
+                              std::uint64_t seed, const std::string& command_line) {
   mapper::RunReport report;
   report.frames = pipeline.frames();
   for (std::size_t i = 0; i < mapper::kStageCount; ++i) {
@@ -101,16 +129,16 @@ mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::Vo
     report.stages.push_back({to_string(stage), pipeline.times(stage)});
   }
   const mapper::MapCounts counts = map.counts();
-  report.resolution_m = options.resolution_m;
+  report.resolution_m = board.map_resolution_m;
   report.occupied = counts.occupied;
   report.free = counts.free;
   report.memory_bytes = map.memory().used_bytes;
   report.hash = map_hash(map);
   report.command = command_line;
   report.version = mapper::version();
-  report.seed = options.seed;
-  report.threads = options.threads;
-  report.board = options.board_path.empty() ? "laptop" : options.board_path;
+  report.seed = seed;
+  report.threads = board.map_threads;
+  report.board = board.name;
   if (pipeline.was_interrupted()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
   if (pipeline.pool_full_frames() > 0) {
     report.notes.push_back(fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory",
@@ -120,7 +148,8 @@ mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::Vo
 }
 
 /// What every mapping command does once it has a camera and poses.
-int map_source(Source source, const MappingOptions& options, const std::string& command_line) {
+int map_source(Source source, const board::Board& board, const MappingOptions& options,
+               const std::string& command_line) {
   if (options.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
   if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
   const std::string trajectory_path = options.out_dir + "/trajectory.tum";
@@ -134,7 +163,7 @@ int map_source(Source source, const MappingOptions& options, const std::string& 
     mask = std::move(loaded).value();
   }
 
-  mapper::Mapper mapper(mapper_config(options), source.camera.model(), mask);
+  mapper::Mapper mapper(mapper_config(board, options), source.camera.model(), mask);
   hal::RealClock clock;
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
   mapper::RunSink sink(trajectory.value(), bar, clock);
@@ -147,11 +176,17 @@ int map_source(Source source, const MappingOptions& options, const std::string& 
 
   std::vector<hal::Error> failures;
   if (const auto finished = sink.finish(); !finished) failures.push_back(finished.error());
-  mapper::RunReport report = make_report(pipeline, mapper.map(), options, command_line);
+  mapper::RunReport report = make_report(pipeline, mapper.map(), board, options.seed, command_line);
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
   if (const std::string error = source.camera.last_error(); !error.empty()) report.notes.push_back(error);
 
+  std::vector<hal::Pose> poses;
+  if (const auto recorded = hal::read_trajectory(trajectory_path); recorded.ok()) {
+    for (const hal::StampedPose& pose : recorded.value()) poses.push_back(pose.T_world_camera);
+  }
   nav::OutputOptions output_options;
+  output_options.trajectory = poses;
+  output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
   output_options.meta.steps = mapper.config().steps;
   nav::Outputs outputs = nav::write_outputs(mapper.map(), output_options, options.out_dir);
   report.file_bytes = outputs.map_file_bytes;
@@ -180,6 +215,8 @@ int map_source(Source source, const MappingOptions& options, const std::string& 
 }  // namespace
 
 int run_replay(const ReplayOptions& options, const std::string& command_line) {
+  const auto board = effective_board(options.mapping);
+  if (!board) return fail(board.error().text);
   auto camera = hal::ReplayCamera::open(options.log_dir);
   if (!camera) return fail(camera.error().text);
   auto poses = hal::RecordedPoses::open(options.log_dir, options.poses_path);
@@ -187,10 +224,14 @@ int run_replay(const ReplayOptions& options, const std::string& command_line) {
   if (!options.mapping.quiet) {
     for (const std::string& warning : camera.value()->warnings()) fmt::print(stderr, "g3dmap: warning: {}\n", warning);
   }
-  return map_source({*camera.value(), *poses.value(), camera.value()->warnings()}, options.mapping, command_line);
+  return map_source({*camera.value(), *poses.value(), camera.value()->warnings()}, board.value(), options.mapping,
+                    command_line);
 }
 
 int run_sim(const SimOptions& options, const std::string& command_line) {
+  const auto loaded_board = effective_board(options.mapping);
+  if (!loaded_board) return fail(loaded_board.error().text);
+  const board::Board& board = loaded_board.value();
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
   auto world = hal::load_world(world_name);
   if (!world) return fail(world.error().text);
@@ -205,14 +246,15 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   hal::SimCameraOptions camera_options;
   camera_options.renderer.noise = !options.no_noise;
   camera_options.renderer.seed = options.mapping.seed;
-  camera_options.renderer.threads = options.mapping.threads;
-  camera_options.rate_hz = options.frame_rate_hz;
+  camera_options.renderer.threads = board.map_threads;
+  camera_options.renderer.camera = camera_model(board);
+  camera_options.rate_hz = options.frame_rate_hz.value_or(board.camera_rate_hz);
   if (options.duration_s > 0.0) {
-    camera_options.max_frames = static_cast<std::size_t>(std::max(1.0, options.duration_s * options.frame_rate_hz));
+    camera_options.max_frames = static_cast<std::size_t>(std::max(1.0, options.duration_s * camera_options.rate_hz));
   }
   hal::SimPoses poses(path.value());
   hal::SimCamera camera(std::move(world).value(), std::move(path).value(), camera_options);
-  return map_source({camera, poses, {}}, options.mapping, command_line);
+  return map_source({camera, poses, {}}, board, options.mapping, command_line);
 }
 
 int run_mask(const MaskOptions& options) {

@@ -10,6 +10,7 @@
 #include "mapper/files/map_file.hpp"
 #include "mapper/files/octomap_write.hpp"
 #include "mapper/files/point_cloud.hpp"
+#include "mapper/files/render.hpp"
 #include "nav/ground_file.hpp"
 
 namespace g3d::nav {
@@ -44,6 +45,13 @@ hal::Result<void> write_ground_map(const mapper::VoxelMap& map, const OutputOpti
   return write_ground(project_to_ground(map, options.band), path.substr(0, path.rfind('.')));
 }
 
+hal::Result<void> write_picture(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& path) {
+  mapper::RenderOptions render;
+  render.trajectory = options.trajectory;
+  return path.ends_with("top.png") ? mapper::write_top(map, path, render)
+                                   : mapper::write_perspective(map, path, render);
+}
+
 constexpr std::array kFormats{
     Format{".g3d", "the map itself", write_native},
     Format{".ot", "OctoMap with colours", write_tree},
@@ -51,6 +59,7 @@ constexpr std::array kFormats{
     Format{".ply", "points with colours", write_points},
     Format{".pcd", "points with colours", write_points},
     Format{".yaml", "ground map for map_server, with its .pgm", write_ground_map},
+    Format{".png", "picture", write_picture},
 };
 
 }  // namespace
@@ -67,12 +76,13 @@ hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const Out
   }
   return hal::Error{
       hal::Reason::unsupported,
-      fmt::format("{}: no format is known by the ending '{}'; use .g3d, .ot, .bt, .ply, .pcd or .yaml", path, ending)};
+      fmt::format("{}: no format is known by the ending '{}'; use .g3d, .ot, .bt, .ply, .pcd, .yaml or .png", path,
+                  ending)};
 }
 
 Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& folder) {
   Outputs outputs;
-  for (const char* name : {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml"}) {
+  for (const char* name : {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml", "map.png", "top.png"}) {
     auto written = write_as(map, options, folder + "/" + name);
     if (!written) {
       outputs.failures.push_back(written.error());

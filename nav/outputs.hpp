@@ -2,9 +2,11 @@
 // What a finished map is written as: all files of `--out DIR`, or one file in the format that its ending names.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "hal/geometry.hpp"
 #include "hal/result.hpp"
 #include "mapper/files/map_header.hpp"
 #include "mapper/summary.hpp"
@@ -14,11 +16,13 @@
 namespace g3d::nav {
 
 struct OutputOptions {
-  mapper::MapFileMeta meta;  ///< goes into the native file
-  HeightBand band;           ///< of the ground map
+  mapper::MapFileMeta meta;               ///< goes into the native file
+  HeightBand band;                        ///< of the ground map
+  std::span<const hal::Pose> trajectory;  ///< drawn into the pictures; may be empty
 };
 
-/// .g3d .ot .bt .ply .pcd .yaml (with its .pgm) .png; anything else is refused (unsupported).
+/// .g3d .ot .bt .ply .pcd .yaml (with its .pgm) .png (top.png: seen from above); anything else is refused
+/// (unsupported).
 [[nodiscard]] hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const OutputOptions& options,
                                                         const std::string& path);
 
@@ -28,8 +32,8 @@ struct Outputs {
   std::uint64_t map_file_bytes = 0;
 };
 
-/// map.g3d first, then map.ot, map.bt, map.ply, ground.pgm + ground.yaml, map.png: one that fails does not stop the
-/// rest.
+/// map.g3d first, then map.ot, map.bt, map.ply, ground.pgm + ground.yaml, map.png, top.png: one that fails does not
+/// stop the rest.
 [[nodiscard]] Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options,
                                     const std::string& folder);
 

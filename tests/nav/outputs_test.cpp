@@ -17,7 +17,8 @@ TEST_CASE("every file of a finished map is written and counted", "[nav][outputs]
   const auto map = tests::furnished_room(0.1F);
   const nav::Outputs outputs = nav::write_outputs(*map, {}, folder.path());
   CHECK(outputs.failures.empty());
-  for (const char* name : {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml", "ground.pgm"}) {
+  for (const char* name :
+       {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml", "ground.pgm", "map.png", "top.png"}) {
     CHECK(std::filesystem::file_size(folder / name) > 0);
   }
   CHECK(outputs.map_file_bytes == std::filesystem::file_size(folder / "map.g3d"));
