@@ -123,7 +123,6 @@ struct BlockEncoder::Work {
 
 BlockEncoder::BlockEncoder(int zstd_level) : work_(std::make_unique<Work>()) {
   work_->zstd_level = std::clamp(zstd_level, 1, 19);
-  work_->planes.reserve(kMaxGroupBlocks);  // planes are pointed to: they must not move
 }
 BlockEncoder::~BlockEncoder() = default;
 
@@ -131,6 +130,7 @@ const Bytes& BlockEncoder::encode(std::span<const BlockKey> keys, const VoxelMap
   assert(keys.size() <= kMaxGroupBlocks);
   Work& w = *work_;
   w.clear();
+  w.planes.reserve(keys.size());  // planes are pointed to: they must not move
   BlockKey next_key = 0;
   bool last_flag = false;
   Colour last_colour;
@@ -214,7 +214,7 @@ struct BlockDecoder::Work {
   }
 };
 
-BlockDecoder::BlockDecoder() : work_(std::make_unique<Work>()) { work_->planes.reserve(kMaxGroupBlocks); }
+BlockDecoder::BlockDecoder() : work_(std::make_unique<Work>()) {}
 BlockDecoder::~BlockDecoder() = default;
 
 hal::Result<std::span<const StoredBlock>> BlockDecoder::decode(ByteSpan bytes) {
@@ -227,6 +227,7 @@ hal::Result<std::span<const StoredBlock>> BlockDecoder::decode(ByteSpan bytes) {
     return Error{Reason::malformed, "the three colour streams differ in length"};
   }
   w.planes.clear();
+  w.planes.reserve(static_cast<std::size_t>(std::count(kinds.begin(), kinds.end(), kDense)));  // they must not move
   w.index.clear();
   w.blocks.resize(kinds.size());
   std::array<ByteSpan, kLevelStreams> level_streams;
