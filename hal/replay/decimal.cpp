@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -102,11 +103,16 @@ std::optional<TimeNs> parse_stamp_ns(std::string_view text) {
   return parts->negative ? -value_ns : value_ns;
 }
 
-std::string format_stamp(TimeNs stamp_ns) {
+char* format_stamp_to(char* out, TimeNs stamp_ns) {
   const bool negative = stamp_ns < 0;
   const auto magnitude_ns = negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
   constexpr std::uint64_t kNs = kNsPerSecond;
-  return fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude_ns / kNs, magnitude_ns % kNs);
+  return fmt::format_to(out, "{}{}.{:09}", negative ? "-" : "", magnitude_ns / kNs, magnitude_ns % kNs);
+}
+
+std::string format_stamp(TimeNs stamp_ns) {
+  std::array<char, kMaxStampChars> buffer;
+  return {buffer.data(), format_stamp_to(buffer.data(), stamp_ns)};
 }
 
 std::optional<double> parse_double(std::string_view text) { return parse_number<double>(text); }

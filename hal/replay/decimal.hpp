@@ -18,6 +18,9 @@ namespace g3d::hal {
 inline constexpr TimeNs kMaxStamp_s = 4'000'000'000;
 /// "1305031230.965035000"; parse_stamp_ns gives the same stamp back.
 [[nodiscard]] std::string format_stamp(TimeNs stamp_ns);
+/// The same into `out`, without allocating or a zero at the end; returns where it ended, kMaxStampChars on at most.
+inline constexpr std::size_t kMaxStampChars = 24;
+char* format_stamp_to(char* out, TimeNs stamp_ns);
 
 /// The whole of `text` as a double; "nan" and "inf" are numbers too. Nothing if it is none or overflows.
 [[nodiscard]] std::optional<double> parse_double(std::string_view text);

@@ -55,11 +55,23 @@ Result<std::vector<StampedPose>> read_trajectory(const std::string& path) {
   return parse_trajectory(text.value(), path);
 }
 
-std::string format_pose_line(const StampedPose& pose) {
+std::string_view format_pose_line(const StampedPose& pose, PoseLine& buffer) {
   const auto& t = pose.T_world_camera.translation_m;
   const auto& q = pose.T_world_camera.rotation_xyzw;
-  return fmt::format("{} {} {} {} {} {} {} {}\n", format_stamp(pose.stamp_ns), t[0], t[1], t[2], q[0], q[1], q[2],
-                     q[3]);
+  char* end = format_stamp_to(buffer.data(), pose.stamp_ns);
+  // Seven doubles of at most 24 characters each: the buffer has room for all of them.
+  end = fmt::format_to(end, " {} {} {} {} {} {} {}\n", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+  return {buffer.data(), static_cast<std::size_t>(end - buffer.data())};
+}
+
+std::string format_pose_line(const StampedPose& pose) {
+  PoseLine buffer;
+  return std::string(format_pose_line(pose, buffer));
+}
+
+Result<void> TrajectoryWriter::append(const StampedPose& pose) {
+  PoseLine buffer;
+  return file_.write(format_pose_line(pose, buffer));
 }
 
 Result<TrajectoryWriter> TrajectoryWriter::create(const std::string& path) {

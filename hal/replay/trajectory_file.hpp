@@ -2,6 +2,7 @@
 // Trajectories in TUM's text format: `stamp_s tx ty tz qx qy qz qw` per line, T_world_camera, `#` begins a comment.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -27,12 +28,16 @@ Result<std::vector<StampedPose>> read_trajectory(const std::string& path);
 
 /// One line as it is written, with a line feed. Digits suffice to read the same doubles back.
 [[nodiscard]] std::string format_pose_line(const StampedPose& pose);
+/// The same without allocating; the result lies in `buffer`.
+using PoseLine = std::array<char, 256>;
+[[nodiscard]] std::string_view format_pose_line(const StampedPose& pose, PoseLine& buffer);
 
 /// Writes a trajectory while it is being made. See AtomicFile for what happens on failure.
 class TrajectoryWriter {
  public:
   static Result<TrajectoryWriter> create(const std::string& path);
-  Result<void> append(const StampedPose& pose) { return file_.write(format_pose_line(pose)); }
+  /// Allocates nothing unless it fails.
+  Result<void> append(const StampedPose& pose);
   Result<void> commit() { return file_.commit(); }
 
  private:

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// No thread of the pipeline allocates after the start. This program's malloc counts calls while it is armed, from every
+// thread and out of every library.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "hal/replay/recorded_poses.hpp"
+#include "hal/replay/replay_camera.hpp"
+#include "hal/sim/load_world.hpp"
+#include "hal/sim/sim_camera.hpp"
+#include "mapper/pipeline.hpp"
+#include "mapper/run_sink.hpp"
+#include "tests/support/log_folder.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace {
+std::atomic<bool> armed{false};
+std::atomic<std::uint64_t> allocations{0};
+
+void count_one() {
+  if (armed.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+// glibc's own, under the names that remain when a program defines malloc itself.
+void* __libc_malloc(std::size_t bytes);
+void* __libc_calloc(std::size_t count, std::size_t bytes);
+void* __libc_realloc(void* old, std::size_t bytes);
+
+void* malloc(std::size_t bytes) {
+  count_one();
+  return __libc_malloc(bytes);
+}
+void* calloc(std::size_t count, std::size_t bytes) {
+  count_one();
+  return __libc_calloc(count, bytes);
+}
+void* realloc(void* old, std::size_t bytes) {
+  count_one();
+  return __libc_realloc(old, bytes);
+}
+}
+
+using namespace g3d;
+
+namespace {
+
+/// Arms the counter once the pipeline has started, and disarms it before the end.
+class ArmingCamera final : public hal::DepthCamera {
+ public:
+  ArmingCamera(hal::DepthCamera& camera, std::size_t first, std::size_t last)
+      : camera_(camera), first_(first), last_(last) {}
+  const hal::CameraModel& model() const override { return camera_.model(); }
+  hal::CameraRead read(hal::Frame& out) override {
+    ++reads_;
+    if (reads_ == first_) armed.store(true);
+    if (reads_ == last_) armed.store(false);
+    return camera_.read(out);
+  }
+
+ private:
+  hal::DepthCamera& camera_;
+  std::size_t first_, last_;
+  std::size_t reads_ = 0;
+};
+
+/// How often anything was allocated between the reads `first` and `last`.
+std::uint64_t count_allocations(hal::DepthCamera& camera, const hal::PoseSource& poses, std::size_t first,
+                                std::size_t last, int threads) {
+  const test::TempFolder folder;
+  mapper::MapperConfig config;
+  config.threads = threads;
+  mapper::Mapper mapper(config, camera.model());
+  auto trajectory = hal::TrajectoryWriter::create(folder / "trajectory.tum");
+  REQUIRE(trajectory.ok());
+  const hal::RealClock const_clock;
+  hal::RealClock clock;
+  mapper::ProgressBar bar(stderr, mapper::ProgressStyle::quiet, std::nullopt);
+  mapper::RunSink sink(trajectory.value(), bar, const_clock);
+  ArmingCamera arming(camera, first, last);
+  mapper::Pipeline pipeline(arming, poses, mapper, sink, clock, {});
+  allocations.store(0);
+  pipeline.run();
+  REQUIRE_FALSE(armed.load());
+  REQUIRE(pipeline.frames().integrated >= last);
+  REQUIRE(mapper.map().counts().occupied > 0);
+  return allocations.load();
+}
+
+}  // namespace
+
+TEST_CASE("the counter sees an allocation", "[system][allocation]") {
+  allocations.store(0);
+  armed.store(true);
+  auto* volatile text = new std::string(100, 'x');
+  armed.store(false);
+  delete text;
+  CHECK(allocations.load() >= 2);
+}
+
+TEST_CASE("mapping a simulated drive allocates nothing after the start", "[system][allocation]") {
+  auto world = hal::load_world("furnished_room");
+  auto path = hal::load_camera_path("furnished_room");
+  REQUIRE(world.ok());
+  REQUIRE(path.ok());
+  hal::SimCameraOptions options;
+  options.max_frames = 60;
+  options.renderer.threads = 2;
+  const hal::SimPoses poses(path.value());
+  hal::SimCamera camera(std::move(world).value(), path.value(), options);
+  CHECK(count_allocations(camera, poses, 3, 60, 2) == 0);
+}
+
+TEST_CASE("mapping a recording with PNG images allocates nothing after the start", "[system][allocation]") {
+  const test::TempFolder folder;
+  test::write_log(folder.path(), {.frames = 30});
+  auto camera = hal::ReplayCamera::open(folder.path());
+  auto poses = hal::RecordedPoses::open(folder.path());
+  REQUIRE(camera.ok());
+  REQUIRE(poses.ok());
+  CHECK(count_allocations(*camera.value(), *poses.value(), 3, 30, 1) == 0);
+}
