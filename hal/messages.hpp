@@ -35,22 +35,23 @@ inline constexpr int kMaxImageSide_px = 2048;
 /// One depth image and, if `has_colour`, the colour image registered to it. Row-major, pixel index = v * width + u.
 struct Frame {
   TimeNs stamp_ns = 0;
-  std::uint64_t sequence = 0;                ///< counted by the camera, gaps are frames it lost itself
+  std::uint64_t sequence = 0;  ///< counted by the camera, gaps are frames it lost itself
   bool has_colour = false;
-  std::unique_ptr<std::uint16_t[]> depth;    ///< width * height raw readings
-  std::unique_ptr<std::uint8_t[]> rgb;       ///< 3 * width * height bytes R G B
+  std::unique_ptr<std::uint16_t[]> depth;  ///< width * height raw readings
+  std::unique_ptr<std::uint8_t[]> rgb;     ///< 3 * width * height bytes R G B
 };
 
-/// Why a frame that the camera delivered did not reach the map. Every one is counted; `to_string` names it in the report.
+/// Why a frame that the camera delivered did not reach the map. Every one is counted; `to_string` names it in the
+/// report.
 enum class DropReason : std::uint8_t {
-  unreadable_depth,   ///< missing, truncated or lying image file
-  wrong_size,         ///< image of another size than the camera model
-  no_pose,            ///< no pose within the allowed time of the frame
-  bad_pose,           ///< pose with NaN or without a unit quaternion
-  time_backwards,     ///< stamp not later than that of the frame before
-  queue_full,         ///< real time only: the mapper was behind
-  out_of_range,       ///< the pose lies outside of what 16 bits per axis can address
-  interrupted,        ///< asked to stop while the frame was under way
+  unreadable_depth,  ///< missing, truncated or lying image file
+  wrong_size,        ///< image of another size than the camera model
+  no_pose,           ///< no pose within the allowed time of the frame
+  bad_pose,          ///< pose with NaN or without a unit quaternion
+  time_backwards,    ///< stamp not later than that of the frame before
+  queue_full,        ///< real time only: the mapper was behind
+  out_of_range,      ///< the pose lies outside of what 16 bits per axis can address
+  interrupted,       ///< asked to stop while the frame was under way
   count_,
 };
 inline constexpr std::size_t kDropReasonCount = static_cast<std::size_t>(DropReason::count_);

@@ -97,7 +97,8 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   for (;;) {
     const int fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (fd < 0) return system_error(part, "cannot create", errno);
-    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    // Other failures mean a file system without locks: then two writers at once are the user's affair.
+    if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(fd);
       return Error{Reason::no_permission, fmt::format("{}: is being written by another process; wait for it", part)};
     }
