@@ -37,7 +37,7 @@ struct Board {
   int map_miss = 2;  ///< by how much it lowers the level of one it saw through
   std::string map_mode = "dynamic";
   std::string map_integrator = "projective";
-  int map_memory_mb = 512;          ///< budget of the voxel pools
+  int map_memory_mb = 512;           ///< budget of the voxel pools
   double map_window_radius_m = 0.0;  ///< blocks farther from the robot are paged out; 0: keep all
   int map_threads = 2;
 

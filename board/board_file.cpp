@@ -52,7 +52,7 @@ Result<void> read_value(const BoardField& field, const toml::node& node, std::st
     const auto text = node.value_exact<std::string>();
     if (!text) return wrong_type("a text in quotes");
     if (!is_allowed(field, *text)) return out_of_range(text->substr(0, kMaxNameBytes));
-    board.**member = *text;
+    board.** member = *text;
     return {};
   }
   if (const auto* member = std::get_if<int Board::*>(&field.member)) {
@@ -60,7 +60,7 @@ Result<void> read_value(const BoardField& field, const toml::node& node, std::st
     if (!whole) return wrong_type("a whole number");
     const auto value = static_cast<double>(*whole);
     if (!(value >= field.low && value <= field.high)) return out_of_range(*whole);
-    board.**member = static_cast<int>(*whole);
+    board.** member = static_cast<int>(*whole);
     return {};
   }
   if (!node.is_number()) return wrong_type("a number");

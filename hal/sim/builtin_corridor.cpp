@@ -4,7 +4,8 @@
 
 namespace g3d::hal {
 
-const std::string_view kCorridorWorld = R"(# A loop of 60 m: corridors of 2 m width around a closed core of 18 x 8 m, 10 cm walls.
+const std::string_view kCorridorWorld =
+    R"(# A loop of 60 m: corridors of 2 m width around a closed core of 18 x 8 m, 10 cm walls.
 floor 0 0 0  22.2 12.2 0.15  color=#8f8a80 color2=#7f7a72 texture=checker:0.5
 box 0 0 2.5  22.2 12.2 0.15  color=#ecebe4
 box -11.05 0 0  0.1 12.2 2.5  color=#a9c0a6 color2=#9ab297 texture=stripes:0.5

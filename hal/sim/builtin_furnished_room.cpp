@@ -5,7 +5,8 @@
 
 namespace g3d::hal {
 
-const std::string_view kFurnishedRoomWorld = R"(# 10 x 10 x 2.5 m around the origin. A lane of about a metre, 2.5 m from the middle, stays clear.
+const std::string_view kFurnishedRoomWorld =
+    R"(# 10 x 10 x 2.5 m around the origin. A lane of about a metre, 2.5 m from the middle, stays clear.
 # Shell
 floor 0 0 0  10.3 10.3 0.15  color=#b98f5e color2=#a87f50 texture=checker:0.5
 box 0 0 2.5  10.3 10.3 0.15  color=#f0eee6

@@ -4,7 +4,8 @@
 
 namespace g3d::hal {
 
-const std::string_view kTwoRoomsWorld = R"(# Two closed rooms of 4 x 4 x 2.4 m, a closed wall of 10 cm between them (x -0.05 to 0.05) and 10 cm around both.
+const std::string_view kTwoRoomsWorld =
+    R"(# Two closed rooms of 4 x 4 x 2.4 m, a closed wall of 10 cm between them (x -0.05 to 0.05) and 10 cm around both.
 floor 0 0 0  8.3 4.2 0.1  color=#b59a78 color2=#a58a68 texture=checker:0.4
 box 0 0 2.4  8.3 4.2 0.1  color=#f0eee6
 box -4.1 0 0  0.1 4.2 2.4  color=#9fb7c9
@@ -52,7 +53,8 @@ const std::string_view kTwoRoomsPath = R"(0.0 -1.300 -0.100 0.60 -90.0 0.0
 20.0 -1.300 -0.100 0.60 -90.0 -0.0
 )";
 
-const std::string_view kOfficeWorld = R"(# 12 x 8 x 2.7 m: an open part with eight desks, a meeting room behind a partition with a glass door, a kitchenette.
+const std::string_view kOfficeWorld =
+    R"(# 12 x 8 x 2.7 m: an open part with eight desks, a meeting room behind a partition with a glass door, a kitchenette.
 floor 0 0 0  12.3 8.3 0.15  color=#7f8790 color2=#757d86 texture=checker:0.5
 box 0 0 2.7  12.3 8.3 0.15  color=#f2f2ee
 box -6.075 0 0  0.15 8.3 2.7  color=#d7dcd8
@@ -150,7 +152,8 @@ const std::string_view kOfficePath = R"(0 -0.3 0.0 0.6 180 -5
 60 -0.3 0.0 0.6 180 -5
 )";
 
-const std::string_view kVisitorWorld = R"(# A room of 6 x 5 x 2.5 m. Somebody enters from the right at 2 s, comes to within half a metre of the camera's place,
+const std::string_view kVisitorWorld =
+    R"(# A room of 6 x 5 x 2.5 m. Somebody enters from the right at 2 s, comes to within half a metre of the camera's place,
 # stands there, and leaves to the left; after 13 s the view is empty again.
 room 0 0 0  6 5 2.5  0.1  color=#d8ccb0 color2=#cbbea0 texture=stripes:0.5 floor=#9a8668 floor2=#8c795c ceiling=#f0eee6
 box 2.7 1.5 0  0.5 1.2 0.9  color=#8a5a33

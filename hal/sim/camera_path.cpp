@@ -118,8 +118,9 @@ Result<CameraPath> parse_camera_path(std::string_view text, std::string_view fil
   std::vector<PathWaypoint> waypoints;
   for (const TextLine& line : lines.value()) {
     if (line.words().size() != kColumns.size()) {
-      return line.error(Reason::malformed, fmt::format("a waypoint is six numbers: t_s x y z yaw_deg pitch_deg; found {}",
-                                                       line.words().size()));
+      return line.error(
+          Reason::malformed,
+          fmt::format("a waypoint is six numbers: t_s x y z yaw_deg pitch_deg; found {}", line.words().size()));
     }
     std::array<double, 6> n{};
     for (std::size_t i = 0; i < kColumns.size(); ++i) {
@@ -136,7 +137,8 @@ Result<CameraPath> parse_camera_path(std::string_view text, std::string_view fil
     waypoints.push_back({n[0], {n[1], n[2], n[3], n[4], n[5]}});
   }
   if (waypoints.empty()) {
-    return Error{Reason::malformed, fmt::format("{}: no waypoint in it; one per line: t_s x y z yaw_deg pitch_deg", file)};
+    return Error{Reason::malformed,
+                 fmt::format("{}: no waypoint in it; one per line: t_s x y z yaw_deg pitch_deg", file)};
   }
   return CameraPath(std::move(waypoints));
 }

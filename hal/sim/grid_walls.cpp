@@ -30,8 +30,8 @@ GridWalls::GridWalls(int width_cells, int height_cells, float cell_m, std::array
     return distance(i, j);
   };
   const auto put = [this](int i, int j, int d) {
-    distance_cells_[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_cells_) + static_cast<std::size_t>(i)] =
-        static_cast<std::uint8_t>(std::min(d, 255));
+    distance_cells_[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_cells_) +
+                    static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::min(d, 255));
   };
   for (int j = 0; j < height_cells; ++j) {
     for (int i = 0; i < width_cells; ++i) {

@@ -16,7 +16,8 @@ class GridWalls {
   static constexpr int kMaxSide_cells = 16386;  ///< the largest floor plan with a border around it
 
   GridWalls() = default;
-  /// `solid`: width * height, row-major from the cell at `origin` (lowest x and y); nonzero is wall from z_low to z_high.
+  /// `solid`: width * height, row-major from the cell at `origin` (lowest x and y); nonzero is wall from z_low to
+  /// z_high.
   GridWalls(int width_cells, int height_cells, float cell_m, std::array<float, 2> origin_m, float z_low_m,
             float z_high_m, const std::vector<std::uint8_t>& solid);
 
@@ -27,7 +28,8 @@ class GridWalls {
   static constexpr float kMiss = 3.0e38F;
 
   /// First wall along origin + t * direction for 0 <= t < t_max. The direction need not have length 1.
-  [[nodiscard]] Hit cast(const std::array<float, 3>& origin_m, const std::array<float, 3>& direction, float t_max) const;
+  [[nodiscard]] Hit cast(const std::array<float, 3>& origin_m, const std::array<float, 3>& direction,
+                         float t_max) const;
   [[nodiscard]] bool is_solid(float x_m, float y_m, float z_m) const;
 
   [[nodiscard]] int width_cells() const { return width_cells_; }

@@ -45,8 +45,7 @@ KinectNoise::KinectNoise(const CameraModel& camera, std::uint64_t seed, const Ki
 void KinectNoise::apply(const ExactView& exact, std::uint64_t frame_number, RowWorkers& workers,
                         std::uint16_t* depth) const {
   const std::uint64_t frame_key = mix(mix(seed_ + kGolden) + kGolden * frame_number);
-  workers.run(camera_.height_px,
-              [&](int row) { apply_row(exact, frame_key, static_cast<std::size_t>(row), depth); });
+  workers.run(camera_.height_px, [&](int row) { apply_row(exact, frame_key, static_cast<std::size_t>(row), depth); });
 }
 
 bool KinectNoise::is_dropped(float z_m, std::uint8_t surface, std::uint32_t chance) const {

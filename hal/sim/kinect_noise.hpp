@@ -15,18 +15,18 @@
 namespace g3d::hal {
 
 struct KinectNoiseModel {
-  float near_m = 0.5F;                 ///< nearer surfaces give no reading
-  float far_m = 8.0F;                  ///< farther ones neither
-  float baseline_m = 0.075F;           ///< from the infrared camera to the projector, which stands to its right
-  float disparity_focal_px = 580.0F;   ///< of the sensor, whatever size the image has
-  float sigma_0_m = 0.0012F;           ///< sigma(z) = sigma_0 + sigma_2 (z - sigma_from)^2
+  float near_m = 0.5F;                ///< nearer surfaces give no reading
+  float far_m = 8.0F;                 ///< farther ones neither
+  float baseline_m = 0.075F;          ///< from the infrared camera to the projector, which stands to its right
+  float disparity_focal_px = 580.0F;  ///< of the sensor, whatever size the image has
+  float sigma_0_m = 0.0012F;          ///< sigma(z) = sigma_0 + sigma_2 (z - sigma_from)^2
   float sigma_2_perm = 0.0019F;
   float sigma_from_m = 0.4F;
-  float grazing_none_cos = 0.05F;      ///< at this cosine of incidence and below: no reading
-  float grazing_all_cos = 0.13F;       ///< from here on all readings; linear chance between
-  float edge_fraction = 0.08F;         ///< neighbours that differ by this fraction of depth make an edge
-  float edge_dropout = 0.35F;          ///< chance of no reading at an edge
-  float speckle_dropout = 0.005F;      ///< chance of no reading anywhere
+  float grazing_none_cos = 0.05F;  ///< at this cosine of incidence and below: no reading
+  float grazing_all_cos = 0.11F;   ///< from here on all readings; linear chance between
+  float edge_fraction = 0.08F;     ///< neighbours that differ by this fraction of depth make an edge
+  float edge_dropout = 0.30F;      ///< chance of no reading at an edge
+  float speckle_dropout = 0.005F;  ///< chance of no reading anywhere
 };
 
 class KinectNoise {

@@ -35,7 +35,8 @@ std::string_view plain_value(std::string_view s) {
   return trimmed(s.substr(0, comment));
 }
 
-Result<double> read_number(const TextLine& line, std::string_view name, std::string_view word, double low, double high) {
+Result<double> read_number(const TextLine& line, std::string_view name, std::string_view word, double low,
+                           double high) {
   return line.number_in(plain_value(word), name, low, high);
 }
 
@@ -58,7 +59,8 @@ Result<void> read_origin(const TextLine& line, std::string_view value, MapYaml& 
     value.remove_prefix(i == 2 ? value.size() : comma + 1);
   }
   if (numbers[2] < -1e-6 || numbers[2] > 1e-6) {
-    return line.error(Reason::unsupported, "a turned map (yaw other than 0) is not supported; turn the picture instead");
+    return line.error(Reason::unsupported,
+                      "a turned map (yaw other than 0) is not supported; turn the picture instead");
   }
   yaml.origin_x_m = numbers[0];
   yaml.origin_y_m = numbers[1];
@@ -96,12 +98,12 @@ std::vector<Cell> classify(const MapYaml& yaml, const GreyImage& image, int widt
   const int rows = image.size.height_px;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const std::uint8_t grey =
-          image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
+      const std::uint8_t grey = image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                                             static_cast<std::size_t>(column)];
       const double white = static_cast<double>(grey) / image.max_value;
       const double occupied = yaml.negate ? white : 1.0 - white;
-      const std::size_t cell = static_cast<std::size_t>(rows - row) * static_cast<std::size_t>(width) +
-                               static_cast<std::size_t>(column) + 1;
+      const std::size_t cell =
+          static_cast<std::size_t>(rows - row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column) + 1;
       if (occupied > yaml.occupied_thresh) {
         cells[cell] = Cell::occupied;
       } else if (occupied < yaml.free_thresh) {
@@ -115,7 +117,8 @@ std::vector<Cell> classify(const MapYaml& yaml, const GreyImage& image, int widt
 bool touches_free(const std::vector<Cell>& cells, int width, int height, int i, int j) {
   for (int y = std::max(j - 1, 0); y <= std::min(j + 1, height - 1); ++y) {
     for (int x = std::max(i - 1, 0); x <= std::min(i + 1, width - 1); ++x) {
-      if (cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] == Cell::free) {
+      if (cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] ==
+          Cell::free) {
         return true;
       }
     }
@@ -170,10 +173,11 @@ Result<World> make_map_world(const MapYaml& yaml, const GreyImage& image, const 
   bool has_free = false;
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
-      const std::size_t cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
+      const std::size_t cell =
+          static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
       has_free = has_free || cells[cell] == Cell::free;
-      solid[cell] = cells[cell] == Cell::occupied ||
-                    (cells[cell] == Cell::unknown && touches_free(cells, width, height, i, j));
+      solid[cell] =
+          cells[cell] == Cell::occupied || (cells[cell] == Cell::unknown && touches_free(cells, width, height, i, j));
     }
   }
   if (!has_free) {

@@ -15,9 +15,9 @@ namespace g3d::hal {
 
 /// The yaml file. Unknown keys are skipped, as map_server does.
 struct MapYaml {
-  std::string image;             ///< as written: relative to the yaml file, or absolute
-  double resolution_m = 0.05;    ///< 0.001..10
-  double origin_x_m = 0.0;       ///< lower left corner of the lower left cell
+  std::string image;           ///< as written: relative to the yaml file, or absolute
+  double resolution_m = 0.05;  ///< 0.001..10
+  double origin_x_m = 0.0;     ///< lower left corner of the lower left cell
   double origin_y_m = 0.0;
   bool negate = false;
   double occupied_thresh = 0.65;  ///< 0..1; a cell is occupied above

@@ -32,10 +32,14 @@ SinCos sin_cos_deg(double angle_deg) {
   const double s = sin_series(rest_rad);
   const double c = cos_series(rest_rad);
   switch (quarter & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 

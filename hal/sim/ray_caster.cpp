@@ -142,8 +142,7 @@ void RayCaster::prepare(const RigidTransform& T_world_camera, TimeNs time_ns) {
   });
 }
 
-void RayCaster::render_tile(int tile_column, int tile_row, const RigidTransform& T_world_camera,
-                            ExactView& out) const {
+void RayCaster::render_tile(int tile_column, int tile_row, const RigidTransform& T_world_camera, ExactView& out) const {
   Tile tile;
   tile.column = tile_column;
   tile.row = tile_row;

@@ -8,7 +8,7 @@ namespace {
 
 using Vec = std::array<float, 3>;
 
-constexpr Vec kMainLamp = {0.36F, 0.48F, 0.80F};     // unit vectors towards the lamps
+constexpr Vec kMainLamp = {0.36F, 0.48F, 0.80F};  // unit vectors towards the lamps
 constexpr Vec kSecondLamp = {-0.64F, -0.48F, 0.60F};
 constexpr float kAmbient = 0.60F;
 constexpr float kMainLight = 0.40F;
@@ -108,7 +108,8 @@ Shade shade_grid(const GridWalls& grid, int axis, const Vec& origin_m, const Vec
   const int i = band(origin_m[0] + t * direction[0], kWallPatch_m);
   const int j = band(origin_m[1] + t * direction[1], kWallPatch_m);
   const float height_m = origin_m[2] + t * direction[2] - grid.z_low_m();
-  Rgb base = kWallColours[(static_cast<std::uint32_t>(i) * 2654435761U + static_cast<std::uint32_t>(j) * 2246822519U) >> 29];
+  Rgb base =
+      kWallColours[(static_cast<std::uint32_t>(i) * 2654435761U + static_cast<std::uint32_t>(j) * 2246822519U) >> 29];
   if (height_m < kSkirting_m) base = {92, 72, 58};
   return lit(base, normal, direction, t, inverse_length);
 }

@@ -104,10 +104,14 @@ inline void cast_all(const PreparedSolid& s, std::int32_t place, const TileRays&
 
 void cast_tile(const PreparedSolid& solid, std::int32_t place, const TileRays& rays, TileHits& hits) {
   switch (solid.shape) {
-    case Shape::box: return cast_all(solid, place, rays, hits, box_interval);
-    case Shape::sphere: return cast_all(solid, place, rays, hits, sphere_interval);
-    case Shape::cylinder: return cast_all(solid, place, rays, hits, cylinder_interval);
-    case Shape::cone: return cast_all(solid, place, rays, hits, cone_interval);
+    case Shape::box:
+      return cast_all(solid, place, rays, hits, box_interval);
+    case Shape::sphere:
+      return cast_all(solid, place, rays, hits, sphere_interval);
+    case Shape::cylinder:
+      return cast_all(solid, place, rays, hits, cylinder_interval);
+    case Shape::cone:
+      return cast_all(solid, place, rays, hits, cone_interval);
   }
 }
 

@@ -20,11 +20,11 @@ struct PreparedSolid {
   std::array<float, 3> half{};
   float cos_yaw = 1.0F;
   float sin_yaw = 0.0F;
-  float radius = 0.0F;       ///< sphere, cylinder; cone: at the height of its centre
-  float slope = 0.0F;        ///< cone: change of radius with height
-  float nearest_m = 0.0F;    ///< no ray meets it at a lower depth
-  std::int32_t index = 0;    ///< in World::primitives
-  std::int32_t tile_low[2]{};   ///< columns and rows of tiles that may see it, inclusive
+  float radius = 0.0F;         ///< sphere, cylinder; cone: at the height of its centre
+  float slope = 0.0F;          ///< cone: change of radius with height
+  float nearest_m = 0.0F;      ///< no ray meets it at a lower depth
+  std::int32_t index = 0;      ///< in World::primitives
+  std::int32_t tile_low[2]{};  ///< columns and rows of tiles that may see it, inclusive
   std::int32_t tile_high[2]{};
 };
 

@@ -129,8 +129,8 @@ void World::add_person(double height_m, double radius_m, const Material& materia
 std::array<float, 2> World::mover_at(std::size_t mover, TimeNs time_ns) const {
   const auto& points = movers_[mover].waypoints;
   const double t_s = static_cast<double>(time_ns) / 1e9;
-  const auto next = std::upper_bound(points.begin(), points.end(), t_s,
-                                     [](double t, const Mover::Waypoint& w) { return t < w.t_s; });
+  const auto next =
+      std::upper_bound(points.begin(), points.end(), t_s, [](double t, const Mover::Waypoint& w) { return t < w.t_s; });
   if (next == points.begin()) return {static_cast<float>(points.front().x_m), static_cast<float>(points.front().y_m)};
   if (next == points.end()) return {static_cast<float>(points.back().x_m), static_cast<float>(points.back().y_m)};
   const Mover::Waypoint& a = *(next - 1);

@@ -42,12 +42,16 @@ const std::vector<Kind>& kinds() {
       {"cylinder", {kX, kY, kZ, size("radius"), size("height")}, 0},
       {"pole", {kX, kY, kZ, {"radius", kMinSize_m, kMaxPoleRadius_m}, size("height")}, 0},
       {"cone", {kX, kY, kZ, size("radius"), size("height"), {"top_radius", 0.0, kMaxCoordinate_m}}, 1},
-      {"stairs",
-       {kX, kY, kZ, size("width"), size("run"), size("rise"), {"steps", 1, kMaxSteps}, kYaw},
-       1},
+      {"stairs", {kX, kY, kZ, size("width"), size("run"), size("rise"), {"steps", 1, kMaxSteps}, kYaw}, 1},
       {"shelves",
-       {kX, kY, kZ, {"width", 0.05, kMaxCoordinate_m}, size("depth"), {"height", 0.05, kMaxCoordinate_m},
-        {"boards", 2, kMaxBoards}, kYaw},
+       {kX,
+        kY,
+        kZ,
+        {"width", 0.05, kMaxCoordinate_m},
+        size("depth"),
+        {"height", 0.05, kMaxCoordinate_m},
+        {"boards", 2, kMaxBoards},
+        kYaw},
        1},
       {"floor", {kX, kY, kZ, size("size_x"), size("size_y"), size("thickness")}, 0},
       {"room", {kX, kY, kZ, size("size_x"), size("size_y"), size("size_z"), size("thickness")}, 0},
@@ -130,7 +134,8 @@ Result<void> read_option(const TextLine& line, std::string_view word, bool is_ro
                                   word.substr(0, 40), is_room ? ", and floor=, floor2=, ceiling= and open" : ""));
   }
   const auto colour = parse_colour(value);
-  if (!colour) return line.error(Reason::malformed, fmt::format("'{}' is not a colour like #a0b1c2", value.substr(0, 40)));
+  if (!colour)
+    return line.error(Reason::malformed, fmt::format("'{}' is not a colour like #a0b1c2", value.substr(0, 40)));
   *target = *colour;
   return {};
 }
@@ -195,8 +200,8 @@ Result<void> read_solid(const TextLine& line, World& world) {
     ++next;
   }
   if (numbers.size() + kind->optional < kind->numbers.size()) {
-    return line.error(Reason::malformed, fmt::format("{} needs a number for {} here", kind->word,
-                                                     kind->numbers[numbers.size()].name));
+    return line.error(Reason::malformed,
+                      fmt::format("{} needs a number for {} here", kind->word, kind->numbers[numbers.size()].name));
   }
   numbers.resize(kind->numbers.size(), 0.0);
 

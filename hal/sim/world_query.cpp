@@ -100,9 +100,11 @@ double distance_to(const Primitive& solid, const Vec& point_m) {
     case Shape::box:
       return std::sqrt(squared(outside(p[0], solid.half_m[0])) + squared(outside(p[1], solid.half_m[1])) +
                        squared(outside(p[2], solid.half_m[2])));
-    case Shape::sphere: return outside(std::sqrt(squared(radial) + squared(p[2])), solid.radius_low_m);
+    case Shape::sphere:
+      return outside(std::sqrt(squared(radial) + squared(p[2])), solid.radius_low_m);
     case Shape::cylinder:
-    case Shape::cone: break;
+    case Shape::cone:
+      break;
   }
   return std::sqrt(squared(outside(radial, solid.half_m[0])) + squared(outside(p[2], solid.half_m[2])));
 }
@@ -119,8 +121,12 @@ double intersect(const Primitive& solid, const Vec& origin_m, const Vec& directi
       clip_slab(part, o[0], d[0], solid.half_m[0]);
       clip_slab(part, o[1], d[1], solid.half_m[1]);
       break;
-    case Shape::sphere: clip_sphere(part, o, d, solid.radius_low_m); break;
-    case Shape::cylinder: clip_cone(part, o, d, solid.radius_low_m, 0.0); break;
+    case Shape::sphere:
+      clip_sphere(part, o, d, solid.radius_low_m);
+      break;
+    case Shape::cylinder:
+      clip_cone(part, o, d, solid.radius_low_m, 0.0);
+      break;
     case Shape::cone: {
       const double slope = (static_cast<double>(solid.radius_high_m) - solid.radius_low_m) / (2.0 * solid.half_m[2]);
       clip_cone(part, o, d, solid.radius_low_m + slope * solid.half_m[2], slope);

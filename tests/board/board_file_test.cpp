@@ -18,7 +18,8 @@ TEST_CASE("an empty board file is a board of defaults") {
 
 TEST_CASE("a board file sets what it names and nothing else") {
   const auto parsed = parse_board(
-      "name = \"r2\"\n[map]\nresolution_m = 0.02\nfar_m = 4\nthreads = 3\nmode = \"static\"\n[mount]\npitch_deg = -7.5\n",
+      "name = \"r2\"\n[map]\nresolution_m = 0.02\nfar_m = 4\nthreads = 3\nmode = \"static\"\n[mount]\npitch_deg = "
+      "-7.5\n",
       "b.toml");
   REQUIRE(parsed);
   Board expected;
@@ -51,7 +52,8 @@ TEST_CASE("errors of a board file name file, line and what is allowed") {
     const char* says;
   };
   const Row rows[] = {
-      {"[map]\n\nresolution_m = 5\n", Reason::out_of_range, "b.toml:3: map.resolution_m is 5, allowed are 0.002 to 1 m"},
+      {"[map]\n\nresolution_m = 5\n", Reason::out_of_range,
+       "b.toml:3: map.resolution_m is 5, allowed are 0.002 to 1 m"},
       {"[map]\nfar_m = nan\n", Reason::out_of_range, "b.toml:2: map.far_m is nan"},
       {"[map]\nnear_m = inf\n", Reason::out_of_range, "0.1 to 10 m"},
       {"[map]\nthreads = 9223372036854775807\n", Reason::out_of_range, "1 to 64"},
