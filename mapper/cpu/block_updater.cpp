@@ -2,6 +2,7 @@
 #include "mapper/cpu/block_updater.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace g3d::mapper::cpu {
@@ -13,12 +14,20 @@ std::size_t rounded_box_blocks(const SensorGeometry& sensor) {
   return side * side * side;
 }
 
+// Low key bits that name a cube of blocks about as large as a frame's box usually is.
+std::uint64_t slot_cache_mask(const SensorGeometry& sensor) {
+  const auto side = static_cast<std::uint64_t>(std::bit_ceil(static_cast<unsigned>(3 * sensor.max_side_blocks / 4)));
+  return side * side * side - 1;
+}
+
 }  // namespace
 
 BlockUpdater::BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSteps steps)
     : map_(&map),
       steps_(steps),
       most_chunks_(rounded_box_blocks(sensor) / 64 + HitScatter::kShards),
+      slot_cache_mask_(slot_cache_mask(sensor)),
+      slot_cache_(slot_cache_mask_ + 1),
       waiting_(rounded_box_blocks(sensor) * 2),
       lane_changed_(rounded_box_blocks(sensor) * 2),
       lane_shrinking_(rounded_box_blocks(sensor) * 2),
@@ -67,8 +76,7 @@ void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot,
   if (hits != nullptr) hits->consumed = 1;
   if (slot != kNoSlot) {
     const BlockHeader& header = map_->header(slot);
-    // Most of what a robot looks at is known to be free already: nothing can change there.
-    if (header.plane == kNoSlot && header.uniform_level == 0 && hits == nullptr) return;
+    if (hits == nullptr && is_settled(slot)) return;
     if (header.plane != kNoSlot && (hits == nullptr || rgb_ == nullptr || bricks_missing(header, *hits) == 0)) {
       apply_dense(chunk, slot, flags != nullptr ? flags->data() : nullptr, hits);
       return;

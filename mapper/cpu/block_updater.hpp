@@ -29,10 +29,40 @@ class BlockUpdater {
   void begin(const FrameGeometry& frame, const std::uint8_t* rgb, const Kernels& kernels, std::uint32_t frame_number,
              std::uint32_t chunks, std::uint32_t blocks_per_chunk);
 
+  /// Slot of a block if it is remembered from a recent frame, else kNoSlot. A camera sees the same blocks again and
+  /// again, and the hash table's random reads would cost more than the update itself.
+  [[nodiscard]] std::uint32_t remembered_slot(BlockKey key) const {
+    const std::uint32_t guess =
+        std::atomic_ref<std::uint32_t>(slot_cache_[key & slot_cache_mask_]).load(std::memory_order_relaxed);
+    return guess < map_->slot_end() && map_->header(guess).key == key ? guess : kNoSlot;
+  }
+  /// Slot of a block, kNoSlot if the map has none.
+  [[nodiscard]] std::uint32_t slot_of(BlockKey key) {
+    std::uint32_t slot = remembered_slot(key);
+    if (slot != kNoSlot) return slot;
+    slot = map_->find(key);
+    if (slot != kNoSlot) {
+      std::atomic_ref<std::uint32_t>(slot_cache_[key & slot_cache_mask_]).store(slot, std::memory_order_relaxed);
+    }
+    return slot;
+  }
+
+  /// Would being seen through change nothing in this block? Most of what a robot looks at is known to be free already.
+  [[nodiscard]] bool is_settled(std::uint32_t slot) const {
+    return slot != kNoSlot && map_->header(slot).plane == kNoSlot && map_->header(slot).uniform_level == 0;
+  }
+
+  /// Brings a block's levels closer while others are computed.
+  void prefetch(std::uint32_t slot) const {
+    if (slot == kNoSlot || map_->header(slot).plane == kNoSlot) return;
+    const std::uint8_t* levels = map_->plane(map_->header(slot).plane).data();
+    for (int line = 0; line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
+  }
+
   /// A block whose every voxel was seen through. `is_strong(place)` is asked for occupied voxels only.
   template <typename IsStrong>
   void offer_all_free(std::uint32_t chunk, BlockKey key, HitRecord* hits, IsStrong&& is_strong) {
-    const std::uint32_t slot = map_->find(key);
+    const std::uint32_t slot = slot_of(key);
     if (slot == kNoSlot || (map_->header(slot).plane == kNoSlot && hits == nullptr)) {
       offer_uniform(chunk, key, slot, is_strong);
       return;
@@ -45,11 +75,11 @@ class BlockUpdater {
   /// A block with some voxels seen through. `flags` may be changed.
   template <typename IsStrong>
   void offer_some_free(std::uint32_t chunk, BlockKey key, FreeFlags& flags, HitRecord* hits, IsStrong&& is_strong) {
-    offer(chunk, key, map_->find(key), flags, hits, is_strong);
+    offer(chunk, key, slot_of(key), flags, hits, is_strong);
   }
 
   /// A block with hits alone.
-  void offer_hits(std::uint32_t chunk, BlockKey key, HitRecord& hits) { submit(chunk, key, map_->find(key), nullptr, &hits); }
+  void offer_hits(std::uint32_t chunk, BlockKey key, HitRecord& hits) { submit(chunk, key, slot_of(key), nullptr, &hits); }
 
   /// Hands out memory, applies what waited for it, gives back what is no longer needed. Returns refused blocks.
   std::uint32_t finish(ThreadPool& pool);
@@ -130,6 +160,8 @@ class BlockUpdater {
   std::uint32_t chunks_ = 0;
   std::uint32_t per_chunk_ = 0;
   std::size_t most_chunks_;
+  std::uint64_t slot_cache_mask_;
+  mutable ReservedArray<std::uint32_t> slot_cache_;  ///< by the low bits of the key: a cube of blocks that wraps around
   ReservedArray<Waiting> waiting_;
   ReservedArray<std::uint32_t> lane_changed_;
   ReservedArray<std::uint32_t> lane_shrinking_;

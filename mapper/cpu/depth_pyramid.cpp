@@ -17,9 +17,7 @@ DepthPyramid::DepthPyramid(int width_px, int height_px) {
     Level level;
     level.width = (width_px + cell - 1) / cell;
     level.height = (height_px + cell - 1) / cell;
-    const std::size_t cells = static_cast<std::size_t>(level.width * level.height) + 64U;
-    level.min.resize(cells);
-    level.max.resize(cells);
+    level.cells.resize(static_cast<std::size_t>(level.width * level.height));
     levels_.push_back(std::move(level));
     if (levels_.back().width <= kMostCells && levels_.back().height <= kMostCells) break;
     cell *= 2;
@@ -44,8 +42,7 @@ void DepthPyramid::compute(const RayEnds& ends, ThreadPool& pool) {
             high = std::max(high, row[dx]);
           }
         }
-        base.min[static_cast<std::size_t>(y * base.width + x)] = low;
-        base.max[static_cast<std::size_t>(y * base.width + x)] = high;
+        base.cells[static_cast<std::size_t>(y * base.width + x)] = {low, high};
       }
     }
   });
@@ -58,13 +55,12 @@ void DepthPyramid::compute(const RayEnds& ends, ThreadPool& pool) {
       for (int x = 0; x < level.width; ++x) {
         const int x0 = 2 * x;
         const int x1 = std::min(2 * x + 1, below.width - 1);
-        const auto a = static_cast<std::size_t>(y0 * below.width + x0);
-        const auto b = static_cast<std::size_t>(y0 * below.width + x1);
-        const auto c = static_cast<std::size_t>(y1 * below.width + x0);
-        const auto d = static_cast<std::size_t>(y1 * below.width + x1);
-        const auto i = static_cast<std::size_t>(y * level.width + x);
-        level.min[i] = std::min(std::min(below.min[a], below.min[b]), std::min(below.min[c], below.min[d]));
-        level.max[i] = std::max(std::max(below.max[a], below.max[b]), std::max(below.max[c], below.max[d]));
+        const Range& a = below.cells[static_cast<std::size_t>(y0 * below.width + x0)];
+        const Range& b = below.cells[static_cast<std::size_t>(y0 * below.width + x1)];
+        const Range& c = below.cells[static_cast<std::size_t>(y1 * below.width + x0)];
+        const Range& d = below.cells[static_cast<std::size_t>(y1 * below.width + x1)];
+        level.cells[static_cast<std::size_t>(y * level.width + x)] = {std::min(std::min(a.min, b.min), std::min(c.min, d.min)),
+                                                                      std::max(std::max(a.max, b.max), std::max(c.max, d.max))};
       }
     }
   }
@@ -79,9 +75,9 @@ DepthPyramid::Range DepthPyramid::range(int u0, int v0, int u1, int v1) const {
   Range range{0xFFFF, 0};
   for (int y = v0 >> shift; y <= v1 >> shift; ++y) {
     for (int x = u0 >> shift; x <= u1 >> shift; ++x) {
-      const auto i = static_cast<std::size_t>(y * level.width + x);
-      range.min = std::min(range.min, level.min[i]);
-      range.max = std::max(range.max, level.max[i]);
+      const Range& cell = level.cells[static_cast<std::size_t>(y * level.width + x)];
+      range.min = std::min(range.min, cell.min);
+      range.max = std::max(range.max, cell.max);
     }
   }
   return range;

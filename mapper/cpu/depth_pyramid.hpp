@@ -28,8 +28,7 @@ class DepthPyramid {
   struct Level {
     int width = 0;
     int height = 0;
-    std::vector<std::uint16_t> min;
-    std::vector<std::uint16_t> max;
+    std::vector<Range> cells;
   };
   std::vector<Level> levels_;  ///< levels_[0] has cells of 4 x 4 pixels
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace g3d::mapper::cpu {
 namespace {
@@ -28,7 +27,7 @@ FootprintImages::FootprintImages(int width_px, int height_px, float smallest_win
     levels_.push_back(level);
     const std::size_t cells = static_cast<std::size_t>(level.stride * level.rows) + 64U;
     std::vector<std::vector<std::uint16_t>> windows(kMaxWindow + 1);
-    for (int m = 1; m <= kMaxWindow; ++m) windows[static_cast<std::size_t>(m)].assign(cells, 0);
+    for (int m = l == 0 ? 2 : 1; m <= kMaxWindow; ++m) windows[static_cast<std::size_t>(m)].assign(cells, 0);
     images_.push_back(std::move(windows));
     width = (width + 1) / 2;
     height = (height + 1) / 2;
@@ -47,8 +46,7 @@ FootprintImages::Choice FootprintImages::choose(float size_px) const {
 }
 
 void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
-  std::memcpy(images_[0][1].data(), ends.padded(),
-              static_cast<std::size_t>(levels_[0].stride * levels_[0].rows) * sizeof(std::uint16_t));
+  ends_ = ends.padded();
   for (int l = 0; l < level_count(); ++l) {
     if (l > 0) halve(l, kernels, pool);
     const int least = l == 0 ? smallest_window_ : kFirstWindowAbove;
@@ -66,7 +64,7 @@ void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, Threa
 
 void FootprintImages::widen(int l, int from, int to, const Kernels& kernels, ThreadPool& pool) {
   const FootprintLevel& level = levels_[static_cast<std::size_t>(l)];
-  const std::uint16_t* source = images_[static_cast<std::size_t>(l)][static_cast<std::size_t>(from)].data();
+  const std::uint16_t* source = image({l, from});
   std::uint16_t* target = images_[static_cast<std::size_t>(l)][static_cast<std::size_t>(to)].data();
   const int shift = to - from;
   const int rows = level.rows - shift;
@@ -83,7 +81,7 @@ void FootprintImages::widen(int l, int from, int to, const Kernels& kernels, Thr
 void FootprintImages::halve(int l, const Kernels& kernels, ThreadPool& pool) {
   const FootprintLevel& below = levels_[static_cast<std::size_t>(l - 1)];
   const FootprintLevel& level = levels_[static_cast<std::size_t>(l)];
-  const std::uint16_t* source = images_[static_cast<std::size_t>(l - 1)][1].data();
+  const std::uint16_t* source = image({l - 1, 1});
   std::uint16_t* target = images_[static_cast<std::size_t>(l)][1].data();
   pool.parallel_for(chunks_of(level.height), [&](std::uint32_t chunk) {
     const int first = static_cast<int>(chunk) * kRowsPerChunk;

@@ -37,6 +37,7 @@ class FootprintImages {
   /// The image whose window comes closest to `size_px` (the largest there is for larger ones).
   [[nodiscard]] Choice choose(float size_px) const;
   [[nodiscard]] const std::uint16_t* image(Choice choice) const {
+    if (choice.level == 0 && choice.window_cells == 1) return ends_;
     return images_[static_cast<std::size_t>(choice.level)][static_cast<std::size_t>(choice.window_cells)].data();
   }
   [[nodiscard]] const FootprintLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
@@ -46,6 +47,7 @@ class FootprintImages {
   void widen(int level, int from, int to, const Kernels& kernels, ThreadPool& pool);
   void halve(int level, const Kernels& kernels, ThreadPool& pool);
 
+  const std::uint16_t* ends_ = nullptr;  ///< level 0, window 1: the ray ends themselves
   int smallest_window_;
   std::vector<FootprintLevel> levels_;
   std::vector<std::vector<std::vector<std::uint16_t>>> images_;  ///< [level][window], window 1 = the ends themselves

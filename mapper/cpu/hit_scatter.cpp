@@ -2,6 +2,7 @@
 #include "mapper/cpu/hit_scatter.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace g3d::mapper::cpu {
@@ -22,8 +23,6 @@ HitScatter::HitScatter(const SensorGeometry& sensor)
       runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px)),
       runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
-      places_(sensor.camera.pixel_count()),
-      row_block_ids_(sensor.camera.pixel_count()),
       record_of_block_(sensor.max_box_blocks()),
       records_(std::min(sensor.camera.pixel_count(), sensor.max_box_blocks())),
       shard_records_(reserve_each(records_.size(), std::make_index_sequence<kShards>{})) {}
@@ -38,7 +37,7 @@ void HitScatter::clear() {
 void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
   pool.parallel_for(static_cast<std::uint32_t>(chunks_),
                     [&](std::uint32_t chunk) { cut_rows(static_cast<int>(chunk), frame, ends, kernels); });
-  pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard), ends); });
+  pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard)); });
 }
 
 void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels) {
@@ -48,9 +47,12 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
   const std::size_t list = static_cast<std::size_t>(chunk) * kShards;
   std::array<Run*, kShards> next;
   for (std::size_t s = 0; s < kShards; ++s) next[s] = &runs_[(list + s) * runs_per_list_];
-  const auto starts = next;
+  const auto lists = next;
   const auto& R = frame.rotation;
 
+  std::array<std::uint8_t, hal::kMaxImageSide_px + 8> starts{};
+  alignas(64) std::array<std::uint32_t, hal::kMaxImageSide_px> block_ids;
+  alignas(64) std::array<std::uint16_t, hal::kMaxImageSide_px> places;
   UnprojectRow row{};
   row.column_slope = sensor_->column_slope.data();
   row.width = width;
@@ -72,51 +74,68 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
     for (std::size_t axis = 0; axis < 3; ++axis) row.row_part[axis] = R[3 * axis + 1] * slope + R[3 * axis + 2];
     const std::size_t offset = static_cast<std::size_t>(v * width);
     row.depth = ends.depth() + offset;
-    row.block_id = row_block_ids_.data() + offset;
-    row.place = places_.data() + offset;
+    row.block_id = block_ids.data();
+    row.place = places.data();
+    row.starts = starts.data();
     kernels.unproject_row(row);
-    const std::uint32_t* ids = row.block_id;
-    for (int u = 0; u < width;) {
-      const std::uint32_t id = ids[u];
-      int end = u + 1;
-      while (end < width && ids[end] == id) ++end;
-      if (id != kNoBlock) {
-        Run*& run = next[id % kShards];
-        *run++ = {id, static_cast<std::uint32_t>(v * width + u), static_cast<std::uint32_t>(end - u)};
-      }
-      u = end;
-    }
+    cut_row(row, ends.colour_flags() + offset, static_cast<std::uint32_t>(offset), next);
   }
-  for (std::size_t s = 0; s < kShards; ++s) run_counts_[list + s] = static_cast<std::uint32_t>(next[s] - starts[s]);
+  for (std::size_t s = 0; s < kShards; ++s) run_counts_[list + s] = static_cast<std::uint32_t>(next[s] - lists[s]);
 }
 
-void HitScatter::scatter_shard(int shard, const RayEnds& ends) {
-  const std::uint8_t* eligible = ends.colour_flags();
+// Runs begin where `starts` says so; eight pixels without a start are skipped at once.
+void HitScatter::cut_row(const UnprojectRow& row, const std::uint8_t* eligible, std::uint32_t first_pixel,
+                         std::array<Run*, kShards>& next) {
+  int begin = 0;
+  const auto close = [&](int end) {
+    const std::uint32_t id = row.block_id[begin];
+    if (id != kNoBlock) {
+      int chosen = begin;
+      while (chosen < end && eligible[chosen] == 0) ++chosen;
+      const bool coloured = chosen < end;
+      *next[id % kShards]++ = {id, first_pixel + static_cast<std::uint32_t>(coloured ? chosen : begin), row.place[begin],
+                               static_cast<std::uint8_t>(coloured ? kHitFlag | kColourFlag : kHitFlag)};
+    }
+    begin = end;
+  };
+  for (int u = 0; u < row.width; u += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, row.starts + u, sizeof eight);
+    for (; eight != 0; eight &= eight - 1) {
+      const int start = u + std::countr_zero(eight) / 8;
+      if (start > begin && start < row.width) close(start);
+    }
+  }
+  close(row.width);
+}
+
+void HitScatter::scatter_shard(int shard) {
   auto& list = shard_records_[static_cast<std::size_t>(shard)];
   std::uint32_t& listed = shard_counts_[static_cast<std::size_t>(shard)];
+  std::uint32_t last_id = kNoBlock;
+  HitRecord* record = nullptr;
   for (int chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t which = static_cast<std::size_t>(chunk) * kShards + static_cast<std::size_t>(shard);
     const Run* run = &runs_[which * runs_per_list_];
     for (const Run* end = run + run_counts_[which]; run != end; ++run) {
-      std::uint32_t& index = record_of_block_[run->block_id];
-      if (index == 0) {
-        index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
-        HitRecord& fresh = records_[index - 1];
-        fresh.block_id = run->block_id;
-        fresh.consumed = 0;
-        fresh.flags.fill(0);
-        list[listed++] = index - 1;
+      if (run->block_id != last_id) {
+        last_id = run->block_id;
+        std::uint32_t& index = record_of_block_[last_id];
+        if (index == 0) {
+          index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
+          HitRecord& fresh = records_[index - 1];
+          fresh.block_id = last_id;
+          fresh.consumed = 0;
+          fresh.flags.fill(0);
+          list[listed++] = index - 1;
+        }
+        record = &records_[index - 1];
       }
-      HitRecord& record = records_[index - 1];
-      std::uint8_t* flags = record.flags.data();
-      std::uint32_t* pixel = record.pixel.data();
-      for (std::uint32_t i = run->first_pixel; i < run->first_pixel + run->count; ++i) {
-        const std::uint16_t place = places_[i];
-        const std::uint8_t old_flags = flags[place];
-        // Where no colour is known yet the index is a proposal that counts only once the flag says so.
-        pixel[place] = (old_flags & kColourFlag) != 0 ? pixel[place] : i;
-        flags[place] = old_flags | kHitFlag | eligible[i];
-      }
+      // Where no colour is known yet the pixel is a proposal that counts only once the flag says so.
+      const std::uint8_t old_flags = record->flags[run->place];
+      std::uint32_t& pixel = record->pixel[run->place];
+      pixel = (old_flags & kColourFlag) != 0 ? pixel : run->pixel;
+      record->flags[run->place] = old_flags | run->flags;
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into runs
-// of pixels that stay in one block; runs are dealt to shards by their block, and each shard walks its runs in pixel
+// of pixels that stay in one voxel; runs are dealt to shards by their block, and each shard walks its runs in pixel
 // order, so that the lowest pixel index colours a voxel whatever the number of threads.
 #pragma once
 
@@ -49,21 +49,23 @@ class HitScatter {
   [[nodiscard]] HitRecord& record(std::uint32_t index) { return records_[index]; }
 
  private:
+  /// Consecutive pixels of a row that fall into one voxel.
   struct Run {
     std::uint32_t block_id;
-    std::uint32_t first_pixel;
-    std::uint32_t count;
+    std::uint32_t pixel;   ///< first pixel that may give its colour, else the first of all
+    std::uint16_t place;
+    std::uint8_t flags;
   };
   void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels);
-  void scatter_shard(int shard, const RayEnds& ends);
+  static void cut_row(const UnprojectRow& row, const std::uint8_t* eligible, std::uint32_t first_pixel,
+                      std::array<Run*, kShards>& next);
+  void scatter_shard(int shard);
 
   const SensorGeometry* sensor_;
   int chunks_;
   std::size_t runs_per_list_;
   ReservedArray<Run> runs_;                    ///< [chunk][shard][runs_per_list_]
   std::vector<std::uint32_t> run_counts_;      ///< [chunk][shard]
-  std::vector<std::uint16_t> places_;          ///< per pixel
-  std::vector<std::uint32_t> row_block_ids_;   ///< per pixel
   ReservedArray<std::uint32_t> record_of_block_;  ///< index + 1; 0 = none
   ReservedArray<HitRecord> records_;
   std::atomic<std::uint32_t> record_count_{0};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace g3d::mapper::cpu {
 namespace {
@@ -10,29 +11,6 @@ namespace {
 float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& tuning) {
   const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
   return tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m / far_m;
-}
-
-struct Window {
-  FootprintImages::Choice choice;
-  float cells_per_px;
-  float shift_x;
-  float shift_y;
-  float last_x;
-  float last_y;
-};
-
-// Window of m cells centred on pixel coordinate u begins at cell floor((u + 1/2) / 2^L - m / 2 + 1/2), plus padding.
-Window window_for(const FootprintImages& images, const hal::CameraModel& camera, float size_px) {
-  Window w;
-  w.choice = images.choose(size_px);
-  const FootprintLevel& level = images.level(w.choice.level);
-  w.cells_per_px = 1.0F / static_cast<float>(1 << w.choice.level);
-  const float begin = 0.5F - 0.5F * static_cast<float>(w.choice.window_cells) + static_cast<float>(kImagePadding);
-  w.shift_x = (camera.cx_px + 0.5F) * w.cells_per_px + begin;
-  w.shift_y = (camera.cy_px + 0.5F) * w.cells_per_px + begin;
-  w.last_x = static_cast<float>(level.width + kImagePadding);
-  w.last_y = static_cast<float>(level.height + kImagePadding);
-  return w;
 }
 
 }  // namespace
@@ -52,6 +30,25 @@ Projective::Projective(const SensorGeometry& sensor, ProjectiveTuning tuning)
     : tuning_(tuning),
       images_(sensor.camera.width_px, sensor.camera.height_px, smallest_window_px(sensor, tuning)) {}
 
+// Window of m cells centred on pixel coordinate u begins at cell floor((u + 1/2) / 2^L - m / 2 + 1/2), plus padding.
+void Projective::fill_windows(const hal::CameraModel& camera) {
+  for (int l = 0; l < images_.level_count(); ++l) {
+    const FootprintLevel& level = images_.level(l);
+    for (int m = 1; m <= kMaxWindow; ++m) {
+      Window& w = windows_[static_cast<std::size_t>(l)][static_cast<std::size_t>(m)];
+      w.choice = {l, m};
+      w.cells_per_px = 1.0F / static_cast<float>(1 << l);
+      const float begin = 0.5F - 0.5F * static_cast<float>(m) + static_cast<float>(kImagePadding);
+      w.shift_x = (camera.cx_px + 0.5F) * w.cells_per_px + begin;
+      w.shift_y = (camera.cy_px + 0.5F) * w.cells_per_px + begin;
+      w.last_x = static_cast<float>(level.width + kImagePadding);
+      w.last_y = static_cast<float>(level.height + kImagePadding);
+      w.stride = level.stride;
+      w.image = images_.image(w.choice);
+    }
+  }
+}
+
 void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& frame) {
   const auto& R = frame.rotation;
   const float r = sensor.resolution_m;
@@ -63,10 +60,19 @@ void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& 
     tables_.x_px_m[place] = sensor.camera.fx_px * (R[0] * x + R[3] * y + R[6] * z);
     tables_.y_px_m[place] = sensor.camera.fy_px * (R[1] * x + R[4] * y + R[7] * z);
     tables_.z_units[place] = sensor.camera.depth_units_per_metre * (R[2] * x + R[5] * y + R[8] * z);
+    if (place % kBrickVoxels == 0) {
+      brick_offset_m_[place / kBrickVoxels] = {R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z,
+                                               R[2] * x + R[5] * y + R[8] * z};
+    }
+    // The middle of a brick of 4x4x4 voxels lies half way between its first voxel and its last.
+    if (place % kBrickVoxels == kBrickVoxels - 1) {
+      middle_units_[place / kBrickVoxels] = 0.5F * (tables_.z_units[place - (kBrickVoxels - 1)] + tables_.z_units[place]);
+    }
   }
 }
 
-bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block, FreeFlags& flags) const {
+bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, const VisibleBlocks& visible,
+                      const BlockView& block, FreeFlags& flags) const {
   const SensorGeometry& sensor = work.sensor;
   ProjectBrick brick{};
   brick.tables = &tables_;
@@ -78,18 +84,23 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
   brick.bias_units = numbers.bias_units;
   bool any = false;
   for (int first = 0; first < kBlockVoxels; first += kBrickVoxels) {
-    // The middle of a brick of 4x4x4 voxels lies half way between its first voxel and its last.
-    const float middle_units = brick.z_units + 0.5F * (tables_.z_units[first] + tables_.z_units[first + kBrickVoxels - 1]);
-    const float middle_m = std::max(middle_units, numbers.min_z_units) * sensor.metres_per_unit;
-    const Window w = window_for(images_, sensor.camera, numbers.window_px_m / middle_m);
+    const auto& offset = brick_offset_m_[static_cast<std::size_t>(first / kBrickVoxels)];
+    const BlockClass found =
+        visible.classify({0, 0, 0, block.x_m + offset[0], block.y_m + offset[1], block.z_m + offset[2]}, 4);
+    if (found != BlockClass::look) {
+      std::memset(flags.data() + first, found == BlockClass::all_free ? kWeakFree : 0, kBrickVoxels);
+      any |= found == BlockClass::all_free;
+      continue;
+    }
+    const Window& w = window_at(sensor, numbers, brick.z_units + middle_units_[static_cast<std::size_t>(first / kBrickVoxels)]);
     brick.first_place = first;
     brick.scale = w.cells_per_px;
     brick.shift_x = w.shift_x;
     brick.shift_y = w.shift_y;
     brick.last_x = w.last_x;
     brick.last_y = w.last_y;
-    brick.stride = images_.level(w.choice.level).stride;
-    brick.image = images_.image(w.choice);
+    brick.stride = w.stride;
+    brick.image = w.image;
     any |= work.kernels.project_brick(brick, flags.data());
   }
   return any;
@@ -97,11 +108,8 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
 
 bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block, int place) const {
   const SensorGeometry& sensor = work.sensor;
-  const int first = place & ~(kBrickVoxels - 1);
   const float block_units = sensor.camera.depth_units_per_metre * block.z_m;
-  const float middle_units = block_units + 0.5F * (tables_.z_units[first] + tables_.z_units[first + kBrickVoxels - 1]);
-  const float middle_m = std::max(middle_units, numbers.min_z_units) * sensor.metres_per_unit;
-  const Window w = window_for(images_, sensor.camera, numbers.window_px_m / middle_m);
+  const Window& w = window_at(sensor, numbers, block_units + middle_units_[static_cast<std::size_t>(place / kBrickVoxels)]);
   const float z_units = block_units + tables_.z_units[place];
   if (z_units < numbers.min_z_units) return false;
   const float inverse = w.cells_per_px / (z_units * sensor.metres_per_unit);
@@ -121,22 +129,31 @@ bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers
 
 void Projective::offer(const FrameWork& work) {
   images_.compute(work.ends, work.kernels, work.pool);
+  fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
   const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.rgb, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
-    visible.for_chunk(chunk, [&](const BlockView& block, BlockClass found) {
-      const BlockKey key = work.frame.block_key(block.bx, block.by, block.bz);
-      HitRecord* hits = work.hits.find(work.frame.block_id(block.bx, block.by, block.bz));
+    BlockKey key = 0;
+    std::uint32_t slot = kNoSlot;
+    HitRecord* hits = nullptr;
+    const auto wants = [&](int bx, int by, int bz) {
+      key = work.frame.block_key(bx, by, bz);
+      slot = work.updater.remembered_slot(key);
+      hits = work.hits.find(work.frame.block_id(bx, by, bz));
+      return hits != nullptr || !work.updater.is_settled(slot);
+    };
+    visible.for_chunk(chunk, wants, [&](const BlockView& block, BlockClass found) {
+      work.updater.prefetch(slot);
       const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
       if (found == BlockClass::all_free) {
         work.updater.offer_all_free(chunk, key, hits, strong);
         return;
       }
       alignas(64) FreeFlags flags;
-      if (look(work, numbers, block, flags)) {
+      if (look(work, numbers, visible, block, flags)) {
         work.updater.offer_some_free(chunk, key, flags, hits, strong);
       } else if (hits != nullptr) {
         work.updater.offer_hits(chunk, key, *hits);

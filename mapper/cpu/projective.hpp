@@ -3,6 +3,9 @@
 // least `bias` beyond its centre. Blocks are decided as a whole where the depth pyramid allows it.
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "mapper/cpu/footprint_images.hpp"
 #include "mapper/cpu/free_space.hpp"
 #include "mapper/cpu/visible_blocks.hpp"
@@ -32,16 +35,36 @@ class Projective final : public FreeSpace {
 
  private:
   /// Flags of a block that has to be looked at voxel by voxel; false if none is free.
-  [[nodiscard]] bool look(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
-                          FreeFlags& flags) const;
+  [[nodiscard]] bool look(const FrameWork& work, const ProjectiveFrame& numbers, const VisibleBlocks& visible,
+                          const BlockView& block, FreeFlags& flags) const;
   /// Is the voxel free by measured rays alone? The slow, plain way: few voxels need it.
   [[nodiscard]] bool is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
                                int place) const;
+  /// Where to look for voxels of a brick, by the depth of its middle.
+  struct Window {
+    FootprintImages::Choice choice;
+    float cells_per_px = 1;
+    float shift_x = 0;
+    float shift_y = 0;
+    float last_x = 0;
+    float last_y = 0;
+    int stride = 0;
+    const std::uint16_t* image = nullptr;
+  };
+  [[nodiscard]] const Window& window_at(const SensorGeometry& sensor, const ProjectiveFrame& numbers, float z_units) const {
+    const float z_m = std::max(z_units, numbers.min_z_units) * sensor.metres_per_unit;
+    const FootprintImages::Choice choice = images_.choose(numbers.window_px_m / z_m);
+    return windows_[static_cast<std::size_t>(choice.level)][static_cast<std::size_t>(choice.window_cells)];
+  }
+  void fill_windows(const hal::CameraModel& camera);
   void fill_tables(const SensorGeometry& sensor, const FrameGeometry& frame);
 
   ProjectiveTuning tuning_;
   FootprintImages images_;
+  std::array<std::array<Window, kMaxWindow + 1>, kMaxLevels> windows_;
   ProjectionTables tables_{};
+  std::array<std::array<float, 3>, kBricksPerBlock> brick_offset_m_{};  ///< camera frame, from the block's first voxel
+  std::array<float, kBricksPerBlock> middle_units_{};                   ///< depth of a brick's middle, likewise
 };
 
 }  // namespace g3d::mapper::cpu

@@ -2,14 +2,14 @@
 #include "mapper/cpu/ray_ends.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace g3d::mapper::cpu {
 namespace {
 
-constexpr std::uint16_t kUnbounded = 0xFFFF;
 constexpr int kRowsPerChunk = 32;
-constexpr int kColumnsPerChunk = 64;
+constexpr int kColumnsPerChunk = 160;
 
 std::uint32_t chunks_of(int count, int size) { return static_cast<std::uint32_t>((count + size - 1) / size); }
 
@@ -27,6 +27,7 @@ RayEnds::RayEnds(const SensorGeometry& sensor, std::span<const std::uint16_t> sc
       row_bound_(sensor.camera.pixel_count()),
       column_state_(sensor.camera.pixel_count()),
       colour_flags_(sensor.camera.pixel_count()),
+      blind_(sensor.camera.pixel_count() + 8),
       row_counts_(static_cast<std::size_t>(height_)) {
   for (std::size_t i = 0; i < std::min(scan_mask.size(), mask_.size()); ++i) {
     mask_[i] = std::min(scan_mask[i], sensor.far_raw);
@@ -51,7 +52,7 @@ void RayEnds::compute(const std::uint16_t* depth, const Kernels& kernels, Thread
   if (!carve_invalid_ || counts_.invalid == 0) return;
   pool.parallel_for(chunks_of(width_, kColumnsPerChunk), [&](std::uint32_t chunk) {
     const int first = static_cast<int>(chunk) * kColumnsPerChunk;
-    bound_by_columns(first, std::min(width_, first + kColumnsPerChunk));
+    bound_by_columns(first, std::min(width_, first + kColumnsPerChunk), kernels);
   });
 }
 
@@ -60,7 +61,7 @@ void RayEnds::classify_rows(int first, int end, const Kernels& kernels) {
     const std::uint16_t* row = depth_ + v * width_;
     row_counts_[static_cast<std::size_t>(v)] = kernels.classify_row(
         {row, v > 0 ? row - width_ : row, v + 1 < height_ ? row + width_ : row, width_, sensor_->near_raw,
-         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_});
+         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_, blind_.data() + v * width_});
   }
 }
 
@@ -69,51 +70,43 @@ void RayEnds::bound_by_rows(int first, int end) {
     if (row_counts_[static_cast<std::size_t>(v)].invalid == 0) continue;
     const std::uint16_t* row = depth_ + v * width_;
     std::uint16_t* bound = row_bound_.data() + v * width_;
-    for (int u = 0; u < width_;) {
-      if (row[u] != 0) {
-        ++u;
-        continue;
-      }
+    const std::uint8_t* blind = blind_.data() + v * width_;
+    for (int u = next_blind(blind, 0); u < width_;) {
       int run_end = u + 1;
       while (run_end < width_ && row[run_end] == 0) ++run_end;
       std::uint16_t nearest = u > 0 ? row[u - 1] : kUnbounded;
       if (run_end < width_) nearest = std::min(nearest, row[run_end]);
       std::fill(bound + u, bound + run_end, nearest);
-      u = run_end;
+      u = next_blind(blind, run_end);
     }
   }
 }
 
-void RayEnds::bound_by_columns(int first, int end) {
+// First blind pixel from `u` on, eight at a time; the row's width if there is none.
+int RayEnds::next_blind(const std::uint8_t* blind, int u) const {
+  while (u < width_) {
+    std::uint64_t eight;
+    std::memcpy(&eight, blind + u, sizeof eight);
+    if (eight != 0) return std::min(width_, u + std::countr_zero(eight) / 8);
+    u += 8;
+  }
+  return width_;
+}
+
+void RayEnds::bound_by_columns(int first, int end, const Kernels& kernels) {
   const int count = end - first;
-  std::uint16_t last[kColumnsPerChunk];
+  alignas(64) std::uint16_t last[kColumnsPerChunk];
   // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order.
   std::fill(last, last + count, kUnbounded);
   for (int v = 0; v < height_; ++v) {
-    const std::uint16_t* row = depth_ + v * width_ + first;
-    std::uint16_t* above = column_state_.data() + v * width_ + first;
-    for (int i = 0; i < count; ++i) {
-      above[i] = last[i];
-      last[i] = row[i] != 0 ? row[i] : last[i];
-    }
+    kernels.carry_down(depth_ + v * width_ + first, count, last, column_state_.data() + v * width_ + first);
   }
-  // Upwards: the reading below, and all four together.
+  // Upwards: the reading below, and all four together. A row without an invalid pixel has no `along`, and needs none.
   std::fill(last, last + count, kUnbounded);
   for (int v = height_ - 1; v >= 0; --v) {
-    const std::uint16_t* row = depth_ + v * width_ + first;
-    if (row_counts_[static_cast<std::size_t>(v)].invalid != 0) {
-      const std::uint16_t* above = column_state_.data() + v * width_ + first;
-      const std::uint16_t* along = row_bound_.data() + v * width_ + first;
-      const std::uint16_t* mask = mask_.data() + v * width_ + first;
-      std::uint16_t* ends = ends_.data() + index(first, v);
-      for (int i = 0; i < count; ++i) {
-        const std::uint16_t nearest = std::min(std::min(above[i], last[i]), along[i]);
-        const bool carves = nearest != kUnbounded && nearest >= sensor_->near_raw;
-        const std::uint16_t weak = carves ? std::min(mask[i], nearest) : std::uint16_t{0};
-        ends[i] = row[i] != 0 ? ends[i] : weak;
-      }
-    }
-    for (int i = 0; i < count; ++i) last[i] = row[i] != 0 ? row[i] : last[i];
+    const int offset = v * width_ + first;
+    kernels.bound_up({depth_ + offset, column_state_.data() + offset, row_bound_.data() + offset, mask_.data() + offset,
+                      count, sensor_->near_raw, last, ends_.data() + index(first, v)});
   }
 }
 

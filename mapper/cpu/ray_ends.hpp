@@ -47,7 +47,8 @@ class RayEnds {
   }
   void classify_rows(int first, int end, const Kernels& kernels);
   void bound_by_rows(int first, int end);
-  void bound_by_columns(int first, int end);
+  [[nodiscard]] int next_blind(const std::uint8_t* blind, int u) const;
+  void bound_by_columns(int first, int end, const Kernels& kernels);
 
   const SensorGeometry* sensor_;
   const std::uint16_t* depth_ = nullptr;
@@ -60,6 +61,7 @@ class RayEnds {
   std::vector<std::uint16_t> row_bound_;     ///< nearest bounding reading along the row; kUnbounded if none
   std::vector<std::uint16_t> column_state_;  ///< last reading above each pixel
   std::vector<std::uint8_t> colour_flags_;
+  std::vector<std::uint8_t> blind_;  ///< 1 where there is no reading
   std::vector<RowCounts> row_counts_;
   RowCounts counts_;
 };

@@ -32,16 +32,16 @@ BlockView VisibleBlocks::view(int bx, int by, int bz) const {
   return {bx, by, bz, p[0], p[1], p[2]};
 }
 
-BlockClass VisibleBlocks::classify(const BlockView& block, int side_blocks) const {
+BlockClass VisibleBlocks::classify(const BlockView& first, int side_cells) const {
   const hal::CameraModel& camera = sensor_->camera;
-  const float voxels = static_cast<float>(8 * side_blocks);
+  const float voxels = static_cast<float>(side_cells);
   const float to_centre = 0.5F * (voxels - 1.0F);
   const float ex = extent_per_voxel_m_[0] * voxels;
   const float ey = extent_per_voxel_m_[1] * voxels;
   const float ez = extent_per_voxel_m_[2] * voxels;
-  const float x = block.x_m + to_centre * diagonal_m_[0];
-  const float y = block.y_m + to_centre * diagonal_m_[1];
-  const float z = block.z_m + to_centre * diagonal_m_[2];
+  const float x = first.x_m + to_centre * diagonal_m_[0];
+  const float y = first.y_m + to_centre * diagonal_m_[1];
+  const float z = first.z_m + to_centre * diagonal_m_[2];
   const float z_low = z - ez;
   const float z_high = z + ez;
   const float far_m = static_cast<float>(sensor_->far_raw) * sensor_->metres_per_unit;

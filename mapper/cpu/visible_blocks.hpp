@@ -3,6 +3,7 @@
 // are tested first, so that most of what is hidden or outside costs one test for 64 blocks.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -38,19 +39,21 @@ class VisibleBlocks {
   /// No chunk visits more blocks.
   [[nodiscard]] std::uint32_t blocks_per_chunk() const { return static_cast<std::uint32_t>(supers_[0]) * 64U; }
 
-  /// visit(BlockView, BlockClass) for every block of the chunk that is not hidden, in a fixed order.
-  template <typename Visit>
-  void for_chunk(std::uint32_t chunk, Visit&& visit) const {
+  /// visit(BlockView, BlockClass) for every block of the chunk that is not hidden, in a fixed order. `wants(bx, by, bz)`
+  /// is asked before a block is looked at more closely; what it declines is not visited.
+  template <typename Wants, typename Visit>
+  void for_chunk(std::uint32_t chunk, Wants&& wants, Visit&& visit) const {
     const int sy = static_cast<int>(chunk) % supers_[1];
     const int sz = static_cast<int>(chunk) / supers_[1];
     for (int sx = 0; sx < supers_[0]; ++sx) {
-      const BlockClass super = classify(view(4 * sx, 4 * sy, 4 * sz), 4);
+      const BlockClass super = classify(view(4 * sx, 4 * sy, 4 * sz), 4 * kBlockSide_cells);
       if (super == BlockClass::hidden) continue;
       for (int bz = 4 * sz; bz < std::min(4 * sz + 4, frame_->nz_blocks); ++bz) {
         for (int by = 4 * sy; by < std::min(4 * sy + 4, frame_->ny_blocks); ++by) {
           for (int bx = 4 * sx; bx < std::min(4 * sx + 4, frame_->nx_blocks); ++bx) {
+            if (!wants(bx, by, bz)) continue;
             const BlockView block = view(bx, by, bz);
-            const BlockClass found = super == BlockClass::all_free ? super : classify(block, 1);
+            const BlockClass found = super == BlockClass::all_free ? super : classify(block, kBlockSide_cells);
             if (found != BlockClass::hidden) visit(block, found);
           }
         }
@@ -59,8 +62,8 @@ class VisibleBlocks {
   }
 
   [[nodiscard]] BlockView view(int bx, int by, int bz) const;
-  /// A cube of side_blocks^3 blocks whose lowest block is `block`.
-  [[nodiscard]] BlockClass classify(const BlockView& block, int side_blocks) const;
+  /// A cube of side_cells^3 voxels whose lowest voxel's centre is at `first`.
+  [[nodiscard]] BlockClass classify(const BlockView& first, int side_cells) const;
 
  private:
   const SensorGeometry* sensor_;

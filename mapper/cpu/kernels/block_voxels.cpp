@@ -25,6 +25,7 @@ bool project_brick(const ProjectBrick& b, std::uint8_t* free) {
     depth_units[i] = z_units;
   }
   alignas(64) std::uint16_t seen[64];
+#pragma GCC unroll 16
   for (int i = 0; i < 64; ++i) seen[i] = p.image[cell[i]];
   std::uint8_t* __restrict out = free + first;
   std::int32_t any = 0;
@@ -88,7 +89,7 @@ bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const s
 const Kernels& table() {
 #define G3D_TEXT_OF(name) #name
 #define G3D_TEXT(name) G3D_TEXT_OF(name)
-  static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT), classify_row, unproject_row, max_filter_row, halve_max_row,
+  static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT), classify_row, carry_down, bound_up, unproject_row, max_filter_row, halve_max_row,
                                   halve_min_row, project_brick, apply_block, any_contested, walk_rays, walk_bresenham};
   return kTable;
 }

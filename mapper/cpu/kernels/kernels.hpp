@@ -34,6 +34,7 @@ struct ClassifyRow {
   std::uint16_t far_raw;
   std::uint16_t* ends;          ///< out: raw depth up to which the pixel's ray carves; 0 = does not
   std::uint8_t* colour_flag;    ///< out: kColourFlag where the pixel may give its colour (no depth edge), else 0
+  std::uint8_t* blind;          ///< out: 1 where there is no reading, else 0
 };
 
 /// Numbers of one row's back-projection. World point of pixel u: (c + column_slope[u] * r) * z + t, axis by axis.
@@ -53,6 +54,21 @@ struct UnprojectRow {
   std::int32_t nxy_blocks;
   std::uint32_t* block_id;  ///< out: block in the frame's box, kNoBlock without a trusted reading
   std::uint16_t* place;     ///< out: M & 511
+  std::uint8_t* starts;     ///< out: 1 where the voxel differs from that of the pixel before
+};
+
+inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the invalid run on that side
+
+/// One row of the upward pass over columns: pixels without a reading get their weak end.
+struct BoundRow {
+  const std::uint16_t* depth;
+  const std::uint16_t* above;  ///< last reading above each pixel, from carry_down
+  const std::uint16_t* along;  ///< nearest reading beside the run; valid where depth is 0
+  const std::uint16_t* mask;   ///< free scan mask
+  int count;
+  std::uint16_t near_raw;
+  std::uint16_t* last;         ///< last reading below, carried upwards
+  std::uint16_t* ends;
 };
 
 /// Everything that is the same for all blocks of a frame in the projective test.
@@ -117,6 +133,9 @@ struct RayRow {
 struct Kernels {
   const char* name;
   RowCounts (*classify_row)(const ClassifyRow&);
+  /// above = last; last = the reading where there is one.
+  void (*carry_down)(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* above);
+  void (*bound_up)(const BoundRow&);
   void (*unproject_row)(const UnprojectRow&);
   /// out[x] = max(a[x], a[x + shift], b[x], b[x + shift]) for x in [0, count).
   void (*max_filter_row)(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
