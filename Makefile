@@ -12,7 +12,8 @@ export CCACHE_SLOPPINESS ?= pch_defines,time_macros
 
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
 # g++ 12 sees overlapping copies in std::string that are none (GCC bug 105651), and the like in {fmt}.
-WARN += $(if $(findstring clang,$(CXX)),,-Wno-restrict -Wno-stringop-overflow)
+# clang dislikes `|` between conditions, which keeps loops free of branches.
+WARN += $(if $(findstring clang,$(CXX)),-Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses,-Wno-restrict -Wno-stringop-overflow)
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
 FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE)
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
@@ -30,6 +31,10 @@ THREAD_SRC := $(shell grep -l '\[threads\]' $(UNIT_SRC) /dev/null)
 SUPPORT_SRC := $(wildcard tests/support/*.cpp)
 FUZZ_SRC := $(sort $(wildcard tests/fuzz/*_fuzz.cpp))
 BENCH_SRC := $(sort $(wildcard tests/bench/*_bench.cpp))
+
+# `make V=1` shows whole commands.
+Q := $(if $(V),,@)
+SAY := @$(if $(V),true,echo)
 
 objects = $(1:%.cpp=$(BUILD)/%.o)
 LIB_OBJ := $(call objects,$(LIB_SRC)) $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
@@ -60,22 +65,26 @@ help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
 $(EXE): $(call objects,$(MAIN_SRC)) $(LIB)
-	$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
 $(LIB): $(LIB_OBJ)
 $(SUPPORT): $(call objects,$(SUPPORT_SRC))
 $(LIB) $(SUPPORT):
 	@rm -f $@
-	$(AR) rcs $@ $^
+	@$(AR) rcs $@ $^
 
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
-	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 $(BUILD)/thread_tests: $(RUNNER_OBJ) $(call objects,$(THREAD_SRC)) $(SUPPORT) $(LIB)
-	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 $(BUILD)/system_tests: $(RUNNER_OBJ) $(call objects,$(SYSTEM_SRC)) $(SUPPORT) $(LIB)
-	$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
 unit-tests: $(BUILD)/unit_tests ## unit tests alone
@@ -103,13 +112,13 @@ fuzz-here: $(FUZZ_EXE)
 	$(ASAN_ENV) tests/fuzz/run $(BUILD)/fuzz $(FUZZ_RUNS)
 $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(LIB)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
+	$(Q)$(CXX) $(FLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
 
 bench: $(BENCH_EXE) ## every benchmark in tests/bench
 	@for program in $(BENCH_EXE); do echo "== $$program"; $$program $(BENCH_ARGS) || exit 1; done
 $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
+	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
 soak: build-test ## the long runs: tests tagged [.soak], SOAK_FUZZ_RUNS inputs per fuzz target
 	$(BUILD)/unit_tests "[.soak]"
@@ -143,7 +152,7 @@ $(PCH).gch: OPT := -O1 -g1
 $(PCH).gch: tests/precompiled.hpp
 	@mkdir -p $(@D)
 	@cp $< $(PCH)
-	$(CXX) $(FLAGS) -MMD -MP -MF $(PCH).d -x c++-header -o $@ $<
+	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(PCH).d -x c++-header -o $@ $<
 PCH_FLAGS = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(PCH)
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(PCH_FLAGS)
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
@@ -153,13 +162,15 @@ $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)) $(RUNNER_OBJ): private 
 define kernel_rule
 $(BUILD)/%.$(1).o: %.cpp
 	@mkdir -p $$(@D)
-	$(CCACHE) $(CXX) $(FLAGS) $(KERNEL_FLAGS_$(1)) -DG3D_KERNEL_VARIANT=$(1) $$(DEPFLAGS) -c -o $$@ $$<
+	$(SAY) $$@
+	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(KERNEL_FLAGS_$(1)) -DG3D_KERNEL_VARIANT=$(1) $$(DEPFLAGS) -c -o $$@ $$<
 endef
 $(foreach v,$(KERNEL_VARIANTS),$(eval $(call kernel_rule,$(v))))
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
-	$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
+	$(SAY) $@
+	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
 
 clean: ## removes build/
 	rm -rf build
