@@ -66,6 +66,8 @@ TEST_CASE("errors of a board file name file, line and what is allowed") {
       {"\n\n[mapp]\n", Reason::malformed, "b.toml:3: mapp is not known; here are name [camera]"},
       {"map = 3\n", Reason::malformed, "map is not known"},
       {"name = \"a\"\n[map\n", Reason::malformed, "b.toml:2: "},
+      {"name = \"a\"\ns\xEF\xBB\xBB", Reason::malformed, "b.toml:2: byte 0xEF; a board file is plain ASCII"},
+      {"[.05\n", Reason::malformed, "b.toml:1: "},
       {"name = \"\"\n", Reason::out_of_range, "1 to 64 printable"},
       {"[map]\nnear_m = 4\n", Reason::out_of_range, "near_m must be below map.far_m"},
       {"[ground]\nlow_m = 1\n", Reason::out_of_range, "ground.low_m must be below"},
