@@ -23,7 +23,8 @@ struct Transform {
   [[nodiscard]] Vector apply(const Vector& p) const {
     Vector out;
     for (std::size_t row = 0; row < 3; ++row) {
-      out[row] = rotation[3 * row] * p[0] + rotation[3 * row + 1] * p[1] + rotation[3 * row + 2] * p[2] + translation_m[row];
+      out[row] =
+          rotation[3 * row] * p[0] + rotation[3 * row + 1] * p[1] + rotation[3 * row + 2] * p[2] + translation_m[row];
     }
     return out;
   }
@@ -31,9 +32,10 @@ struct Transform {
 
 Transform transform_of(const hal::Pose& pose) {
   const auto [x, y, z, w] = hal::normalised(pose).rotation_xyzw;
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z),
-           2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
-          pose.translation_m};
+  return {
+      {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z),
+       2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
+      pose.translation_m};
 }
 
 /// 32767 + ceil(x / r) in double; outside of the grid for anything beyond it.
@@ -114,7 +116,8 @@ class Sampler {
     Vector low{1e300, 1e300, 1e300};
     Vector high{-1e300, -1e300, -1e300};
     for (int corner = 0; corner < 8; ++corner) {
-      const Vector at{edge_m(origin.x + (corner & 1) * 8), edge_m(origin.y + (corner >> 1 & 1) * 8), edge_m(origin.z + (corner >> 2) * 8)};
+      const Vector at{edge_m(origin.x + (corner & 1) * 8), edge_m(origin.y + (corner >> 1 & 1) * 8),
+                      edge_m(origin.z + (corner >> 2) * 8)};
       const Vector p = T_target_source_.apply(at);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         low[axis] = std::min(low[axis], p[axis]);
@@ -182,21 +185,28 @@ struct Tally {
 
 hal::Result<Grid> target_grid(std::span<const MergeSource> sources, const MergeOptions& options) {
   if (sources.empty()) return Error{Reason::bad_usage, "merging: no map was given; give at least one"};
-  if (!hal::is_valid(options.T_world_target)) return Error{Reason::bad_usage, "merging: the pose of the result is not a pose; check its numbers"};
+  if (!hal::is_valid(options.T_world_target))
+    return Error{Reason::bad_usage, "merging: the pose of the result is not a pose; check its numbers"};
   float finest_m = sources.front().map->grid().resolution_m;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (!hal::is_valid(sources[i].T_world_map)) return Error{Reason::bad_usage, fmt::format("merging: the pose of map {} is not a pose; check its numbers", i + 1)};
+    if (!hal::is_valid(sources[i].T_world_map))
+      return Error{Reason::bad_usage,
+                   fmt::format("merging: the pose of map {} is not a pose; check its numbers", i + 1)};
     finest_m = std::min(finest_m, sources[i].map->grid().resolution_m);
   }
   const float resolution_m = options.resolution_m.value_or(finest_m);
   if (!(resolution_m >= 0.0005F && resolution_m <= 100.0F)) {
-    return Error{Reason::bad_usage, fmt::format("merging: resolution {} m is outside of 0.0005..100 m; choose another", resolution_m)};
+    return Error{Reason::bad_usage,
+                 fmt::format("merging: resolution {} m is outside of 0.0005..100 m; choose another", resolution_m)};
   }
   return Grid{resolution_m};
 }
 
 Error no_room(std::size_t blocks) {
-  return {Reason::no_capacity, fmt::format("merging: {} blocks do not fit into the memory allowed; allow more or merge at a coarser resolution", blocks)};
+  return {
+      Reason::no_capacity,
+      fmt::format("merging: {} blocks do not fit into the memory allowed; allow more or merge at a coarser resolution",
+                  blocks)};
 }
 
 }  // namespace
@@ -216,7 +226,8 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
   const auto blocks = static_cast<std::uint32_t>(std::max<std::size_t>(keys.size(), 1));
   std::unique_ptr<VoxelMap> merged;
   try {
-    merged = std::make_unique<VoxelMap>(grid.value(), options.capacity.value_or(MapCapacity{blocks, blocks, blocks * kBricksPerBlock}));
+    merged = std::make_unique<VoxelMap>(
+        grid.value(), options.capacity.value_or(MapCapacity{blocks, blocks, blocks * kBricksPerBlock}));
   } catch (const std::bad_alloc&) {
     return no_room(keys.size());
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several maps with known poses become one, voxel by voxel: level = clamp(16 + sum(O_i - 16)) over the maps that know the
-// voxel, colour from the one that is surest of it (highest level; ties: lowest layer id, then lowest RGB). All maps are
-// summed before anything is clamped, so the result is a function of the set: neither order nor grouping of the arguments
-// counts.
+// Several maps with known poses become one, voxel by voxel: level = clamp(16 + sum(O_i - 16)) over the maps that know
+// the voxel, colour from the one that is surest of it (highest level; ties: lowest layer id, then lowest RGB). All maps
+// are summed before anything is clamped, so the result is a function of the set: neither order nor grouping of the
+// arguments counts.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,7 @@ struct MergeOptions {
 /// A source of the target's resolution, not turned against it and shifted by whole voxels, is taken exactly. Others are
 /// resampled: each target voxel looks up the source voxel that its centre falls into.
 /// Errors: bad_usage (no source, bad pose or resolution), no_capacity. Thread: no source may be written meanwhile.
-[[nodiscard]] hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> sources, const MergeOptions& options = {});
+[[nodiscard]] hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> sources,
+                                                                const MergeOptions& options = {});
 
 }  // namespace g3d::mapper

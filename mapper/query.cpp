@@ -12,9 +12,12 @@ constexpr int kLevelsInBlock = 3;
 
 NodeState to_node_state(State state) {
   switch (state) {
-    case State::free: return NodeState::free;
-    case State::occupied: return NodeState::occupied;
-    case State::unknown: break;
+    case State::free:
+      return NodeState::free;
+    case State::occupied:
+      return NodeState::occupied;
+    case State::unknown:
+      break;
   }
   return NodeState::unknown;
 }
@@ -57,10 +60,14 @@ std::int32_t index_of(double x_m, double resolution_m) {
 
 const char* to_string(NodeState state) {
   switch (state) {
-    case NodeState::unknown: return "unknown";
-    case NodeState::free: return "free";
-    case NodeState::occupied: return "occupied";
-    case NodeState::mixed: return "mixed";
+    case NodeState::unknown:
+      return "unknown";
+    case NodeState::free:
+      return "free";
+    case NodeState::occupied:
+      return "occupied";
+    case NodeState::mixed:
+      return "mixed";
   }
   return "?";
 }
@@ -80,7 +87,8 @@ NodeState node_state(const VoxelMap& map, MCode code, int levels_up) {
   const BlockKey first = (code >> kBlockShift) >> shift << shift;
   Joined joined;
   if (blocks <= map.slot_end()) {
-    for (std::uint64_t i = 0; i < blocks && !joined.is_mixed(); ++i) joined.add(part_state(map, map.find(first + i), 0, kBlockVoxels));
+    for (std::uint64_t i = 0; i < blocks && !joined.is_mixed(); ++i)
+      joined.add(part_state(map, map.find(first + i), 0, kBlockVoxels));
     return joined.state();
   }
   // More blocks than the map has: some are missing, so look at those that are there.
@@ -95,7 +103,8 @@ NodeState node_state(const VoxelMap& map, MCode code, int levels_up) {
 RayHit cast_ray(const VoxelMap& map, const std::array<double, 3>& origin_m, const std::array<double, 3>& direction,
                 const RayOptions& options) {
   const auto r = static_cast<double>(map.grid().resolution_m);
-  const double length = std::sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+  const double length =
+      std::sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
   RayHit hit{RayEnd::max_range, {}, options.max_range_m};
   if (!(length > 0) || !std::isfinite(length)) return hit;
   std::array<std::int32_t, 3> cell;
@@ -141,8 +150,11 @@ VoxelBox voxels_in(const Grid& grid, const Box& box) {
 std::vector<BlockKey> blocks_in(const VoxelMap& map, const VoxelBox& box) {
   std::vector<BlockKey> keys;
   if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) return keys;
-  const auto blocks_along = [](std::int32_t low, std::int32_t high) { return static_cast<std::uint64_t>((high >> 3) - (low >> 3) + 1); };
-  const std::uint64_t in_box = blocks_along(box.low.x, box.high.x) * blocks_along(box.low.y, box.high.y) * blocks_along(box.low.z, box.high.z);
+  const auto blocks_along = [](std::int32_t low, std::int32_t high) {
+    return static_cast<std::uint64_t>((high >> 3) - (low >> 3) + 1);
+  };
+  const std::uint64_t in_box =
+      blocks_along(box.low.x, box.high.x) * blocks_along(box.low.y, box.high.y) * blocks_along(box.low.z, box.high.z);
   if (in_box <= map.slot_end()) {
     for (std::int32_t z = box.low.z & ~7; z <= box.high.z; z += kBlockSide_cells) {
       for (std::int32_t y = box.low.y & ~7; y <= box.high.y; y += kBlockSide_cells) {
@@ -168,7 +180,9 @@ std::vector<BlockKey> blocks_in(const VoxelMap& map, const VoxelBox& box) {
 BoxCounts counts_in(const VoxelMap& map, const VoxelBox& box) {
   BoxCounts counts;
   if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) return counts;
-  for_each_known_in(map, box, [&](const VoxelIndex&, Rgbo value) { ++(state_of(value) == State::occupied ? counts.occupied : counts.free); });
+  for_each_known_in(map, box, [&](const VoxelIndex&, Rgbo value) {
+    ++(state_of(value) == State::occupied ? counts.occupied : counts.free);
+  });
   const auto along = [](std::int32_t low, std::int32_t high) { return static_cast<std::uint64_t>(high - low + 1); };
   const std::uint64_t all = along(box.low.x, box.high.x) * along(box.low.y, box.high.y) * along(box.low.z, box.high.z);
   counts.unknown = all - counts.occupied - counts.free;

@@ -23,8 +23,8 @@ enum class NodeState : std::uint8_t { unknown, free, occupied, mixed };
 enum class RayEnd : std::uint8_t { occupied, unknown, max_range, left_grid };
 struct RayHit {
   RayEnd end = RayEnd::max_range;
-  VoxelIndex voxel;        ///< the last one looked at
-  double distance_m = 0;   ///< to where the ray enters it; max_range_m where it found nothing
+  VoxelIndex voxel;       ///< the last one looked at
+  double distance_m = 0;  ///< to where the ray enters it; max_range_m where it found nothing
 };
 struct RayOptions {
   double max_range_m = 10.0;
@@ -32,8 +32,8 @@ struct RayOptions {
 };
 /// Walks every voxel that the ray passes through (Amanatides and Woo), the one it starts in first.
 /// `direction` need not be of unit length; if it is zero or no number, nothing is found.
-[[nodiscard]] RayHit cast_ray(const VoxelMap& map, const std::array<double, 3>& origin_m, const std::array<double, 3>& direction,
-                              const RayOptions& options = {});
+[[nodiscard]] RayHit cast_ray(const VoxelMap& map, const std::array<double, 3>& origin_m,
+                              const std::array<double, 3>& direction, const RayOptions& options = {});
 
 struct Box {
   std::array<double, 3> low_m;

@@ -10,9 +10,12 @@ namespace {
 
 std::uint8_t grey_of(mapper::State state) {
   switch (state) {
-    case mapper::State::occupied: return kOccupiedGrey;
-    case mapper::State::free: return kFreeGrey;
-    case mapper::State::unknown: break;
+    case mapper::State::occupied:
+      return kOccupiedGrey;
+    case mapper::State::free:
+      return kFreeGrey;
+    case mapper::State::unknown:
+      break;
   }
   return kUnknownGrey;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ground.pgm` + `ground.yaml` as map_server reads them (mode trinary): 0 occupied, 254 free, 205 unknown, first row at the
-// top (highest y), origin at the lower left corner.
+// `ground.pgm` + `ground.yaml` as map_server reads them (mode trinary): 0 occupied, 254 free, 205 unknown, first row at
+// the top (highest y), origin at the lower left corner.
 #pragma once
 
 #include <string>
@@ -19,7 +19,8 @@ inline constexpr std::uint8_t kUnknownGrey = 205;
 [[nodiscard]] hal::GreyImage ground_image(const GroundGrid& ground);
 [[nodiscard]] std::string ground_yaml(const GroundGrid& ground, const std::string& image_name);
 
-/// Writes `STEM.pgm` and `STEM.yaml`, each by temporary file and rename; the image first, so that a yaml never lacks one.
+/// Writes `STEM.pgm` and `STEM.yaml`, each by temporary file and rename; the image first, so that a yaml never lacks
+/// one.
 [[nodiscard]] hal::Result<void> write_ground(const GroundGrid& ground, const std::string& stem);
 
 }  // namespace g3d::nav

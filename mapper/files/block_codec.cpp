@@ -110,13 +110,15 @@ struct BlockEncoder::Work {
         assert(!ZSTD_isError(packed) && "the bound is large enough and the level valid");
         out.resize(at + packed);
       }
-      const std::array<std::uint32_t, 2> sizes{static_cast<std::uint32_t>(raw.size()), static_cast<std::uint32_t>(packed)};
+      const std::array<std::uint32_t, 2> sizes{static_cast<std::uint32_t>(raw.size()),
+                                               static_cast<std::uint32_t>(packed)};
       std::memcpy(out.data() + table + id * 8, sizes.data(), 8);
     }
   }
 
   [[nodiscard]] const Bytes& stream(std::size_t id) const {
-    const std::array<const Bytes*, kFirstLevels> first{&keys, &kinds, &has_colour, &green, &red_minus_green, &blue_minus_green};
+    const std::array<const Bytes*, kFirstLevels> first{&keys,  &kinds,           &has_colour,
+                                                       &green, &red_minus_green, &blue_minus_green};
     return id < kFirstLevels ? *first[id] : levels[id - kFirstLevels];
   }
 };
@@ -173,8 +175,10 @@ struct BlockDecoder::Work {
     for (std::size_t id = 0; id < kStreamCount; ++id) {
       const auto [raw_bytes, packed_bytes] = sizes[id];
       ByteSpan packed;
-      if (raw_bytes > kMaxStreamBytes) return Error{Reason::too_large, fmt::format("stream {} claims {} bytes", id, raw_bytes)};
-      if (!in.take_bytes(packed_bytes, packed)) return Error{Reason::truncated, fmt::format("stream {} is cut off", id)};
+      if (raw_bytes > kMaxStreamBytes)
+        return Error{Reason::too_large, fmt::format("stream {} claims {} bytes", id, raw_bytes)};
+      if (!in.take_bytes(packed_bytes, packed))
+        return Error{Reason::truncated, fmt::format("stream {} is cut off", id)};
       streams[id].resize(raw_bytes);
       if (raw_bytes == 0 && packed_bytes == 0) continue;
       const std::size_t got =
@@ -222,7 +226,8 @@ hal::Result<std::span<const StoredBlock>> BlockDecoder::decode(ByteSpan bytes) {
   if (const auto unpacked = w.unpack(bytes); !unpacked) return unpacked.error();
   const Bytes& kinds = w.streams[kKinds];
   const std::size_t colours = w.streams[kGreen].size();
-  if (kinds.size() > kMaxGroupBlocks) return Error{Reason::too_large, fmt::format("{} blocks in one group", kinds.size())};
+  if (kinds.size() > kMaxGroupBlocks)
+    return Error{Reason::too_large, fmt::format("{} blocks in one group", kinds.size())};
   if (w.streams[kRedMinusGreen].size() != colours || w.streams[kBlueMinusGreen].size() != colours) {
     return Error{Reason::malformed, "the three colour streams differ in length"};
   }
@@ -261,7 +266,8 @@ hal::Result<std::span<const StoredBlock>> BlockDecoder::decode(ByteSpan bytes) {
       return Error{Reason::malformed, fmt::format("colours of block {} are missing or malformed", i)};
     }
   }
-  if (keys.left() != 0 || !levels.at_end() || colour.flag_place != w.streams[kHasColour].size() || colour.colour_place != colours) {
+  if (keys.left() != 0 || !levels.at_end() || colour.flag_place != w.streams[kHasColour].size() ||
+      colour.colour_place != colours) {
     return Error{Reason::malformed, "streams hold more than the blocks need"};
   }
   return std::span<const StoredBlock>(w.blocks);

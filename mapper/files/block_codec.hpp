@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A group of blocks <-> compressed bytes: what a chunk of `map.g3d` holds and what paging writes. Bit-identical both ways.
+// A group of blocks <-> compressed bytes: what a chunk of `map.g3d` holds and what paging writes. Bit-identical both
+// ways.
 //
 // The blocks' parts are pulled apart into streams of one kind, each its own zstd frame:
 //   keys (differences), kinds (uniform level or "dense"), fifteen streams of level residuals (level_codec.hpp),

@@ -17,8 +17,8 @@ constexpr std::array<Neighbours, kBlockVoxels> make_neighbours() {
   std::array<Neighbours, kBlockVoxels> table{};
   for (int place = 0; place < kBlockVoxels; ++place) {
     const VoxelIndex v = decode(static_cast<MCode>(place));
-    const std::array<VoxelIndex, 3> lower{
-        VoxelIndex{(v.x + 7) & 7, v.y, v.z}, VoxelIndex{v.x, (v.y + 7) & 7, v.z}, VoxelIndex{v.x, v.y, (v.z + 7) & 7}};
+    const std::array<VoxelIndex, 3> lower{VoxelIndex{(v.x + 7) & 7, v.y, v.z}, VoxelIndex{v.x, (v.y + 7) & 7, v.z},
+                                          VoxelIndex{v.x, v.y, (v.z + 7) & 7}};
     const std::array<bool, 3> crosses{v.x == 0, v.y == 0, v.z == 0};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       table[static_cast<std::size_t>(place)].place[axis] = static_cast<std::uint16_t>(encode(lower[axis]));
@@ -32,7 +32,11 @@ constexpr std::array<Neighbours, kBlockVoxels> kNeighbours = make_neighbours();
 constexpr std::array<std::uint8_t, kLevels> make_classes() {
   std::array<std::uint8_t, kLevels> table{};
   for (int level = 0; level < kLevels; ++level) {
-    const int group = level == 0 ? 0 : level < kUnknownLevel ? 1 : level == kUnknownLevel ? 2 : level < kMaxLevel ? 3 : 4;
+    const int group = level == 0               ? 0
+                      : level < kUnknownLevel  ? 1
+                      : level == kUnknownLevel ? 2
+                      : level < kMaxLevel      ? 3
+                                               : 4;
     table[static_cast<std::size_t>(level)] = static_cast<std::uint8_t>(group);
   }
   return table;
@@ -74,7 +78,8 @@ void encode_levels(const LevelPlane& levels, const LowerPlanes& lower, LevelStre
   for (std::size_t place = 0; place < kBlockVoxels; ++place) {
     const Prediction p = predict_place(place, levels, lower);
     const int residual = levels[place] - p.level;
-    out[static_cast<std::size_t>(p.stream)].push_back(static_cast<std::uint8_t>(residual < 0 ? residual + kLevels : residual));
+    out[static_cast<std::size_t>(p.stream)].push_back(
+        static_cast<std::uint8_t>(residual < 0 ? residual + kLevels : residual));
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level planes as small residuals: every voxel is predicted from its three lower neighbours (x-1, y-1, z-1), which come
 // earlier in Morton order, also across blocks. Residuals go to one of fifteen streams by how well the neighbours agree
-// and by what they say, so that a general compressor sees streams of one kind each: long runs of zeros here, noise there.
+// and by what they say, so that a general compressor sees streams of one kind each: long runs of zeros here, noise
+// there.
 #pragma once
 
 #include <array>

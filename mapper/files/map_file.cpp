@@ -15,10 +15,12 @@ constexpr std::size_t kMaxMapFile_bytes = std::size_t{32} << 30;
 
 }  // namespace
 
-hal::Result<SaveReport> save_map(const VoxelMap& map, const MapFileMeta& meta, const std::string& path, int zstd_level) {
+hal::Result<SaveReport> save_map(const VoxelMap& map, const MapFileMeta& meta, const std::string& path,
+                                 int zstd_level) {
   auto file = hal::AtomicFile::create(path);
   if (!file) return file.error();
-  const auto report = encode_map(map, meta, [&](ByteSpan bytes) { return file.value().write(bytes); }, zstd_level);
+  const auto report = encode_map(
+      map, meta, [&](ByteSpan bytes) { return file.value().write(bytes); }, zstd_level);
   if (!report) return report.error();
   if (const auto done = file.value().commit(); !done) return done.error();
   return report;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `map.g3d`, the native map file. It is written to a temporary file, synced and renamed: after a crash at any moment the
-// name holds the old map or the new one, whole. What is loaded is bit-identical to what was saved.
+// `map.g3d`, the native map file. It is written to a temporary file, synced and renamed: after a crash at any moment
+// the name holds the old map or the new one, whole. What is loaded is bit-identical to what was saved.
 #pragma once
 
 #include <string>

@@ -47,8 +47,8 @@ Bytes encode_header(const MapInfo& info) {
   put(out, info.meta.layer_id);
   put(out, info.meta.T_world_map.translation_m);
   put(out, info.meta.T_world_map.rotation_xyzw);
-  for (const std::uint64_t count : {info.counts.occupied, info.counts.free, info.counts.coloured, info.counts.blocks,
-                                    info.counts.uniform_blocks}) {
+  for (const std::uint64_t count :
+       {info.counts.occupied, info.counts.free, info.counts.coloured, info.counts.blocks, info.counts.uniform_blocks}) {
     put(out, count);
   }
   for (const std::uint32_t count : {info.dense_blocks, info.colour_bricks, info.chunks, 0U}) put(out, count);
@@ -61,7 +61,8 @@ hal::Result<MapInfo> decode_header(ByteSpan bytes, const std::string& name) {
   ByteReader in(bytes);
   std::array<std::uint8_t, 8> magic;
   if (!in.take(magic) || magic != kMagic) {
-    return Error{Reason::malformed, fmt::format("{}: byte 0: not a g3d map; give a map.g3d written by this program", name)};
+    return Error{Reason::malformed,
+                 fmt::format("{}: byte 0: not a g3d map; give a map.g3d written by this program", name)};
   }
   MapInfo info;
   std::uint32_t header_bytes = 0;
@@ -70,16 +71,19 @@ hal::Result<MapInfo> decode_header(ByteSpan bytes, const std::string& name) {
   std::uint32_t zero_too = 0;
   if (!in.take(info.version)) return damaged(Reason::truncated, name, bytes.size(), "the header is cut off");
   if (info.version != 1) {
-    return Error{Reason::unsupported, fmt::format("{}: byte 8: version {} is unknown here; use a newer g3dmap", name, info.version)};
+    return Error{Reason::unsupported,
+                 fmt::format("{}: byte 8: version {} is unknown here; use a newer g3dmap", name, info.version)};
   }
   const bool complete = in.take(header_bytes) && in.take(info.grid.resolution_m) && in.take(info.meta.steps.hit) &&
                         in.take(info.meta.steps.miss) && in.take(zero) && in.take(info.meta.layer_id) &&
                         in.take(info.meta.T_world_map.translation_m) && in.take(info.meta.T_world_map.rotation_xyzw) &&
                         in.take(info.counts.occupied) && in.take(info.counts.free) && in.take(info.counts.coloured) &&
-                        in.take(info.counts.blocks) && in.take(info.counts.uniform_blocks) && in.take(info.dense_blocks) &&
-                        in.take(info.colour_bricks) && in.take(info.chunks) && in.take(zero_too) && in.take(crc);
+                        in.take(info.counts.blocks) && in.take(info.counts.uniform_blocks) &&
+                        in.take(info.dense_blocks) && in.take(info.colour_bricks) && in.take(info.chunks) &&
+                        in.take(zero_too) && in.take(crc);
   if (!complete) return damaged(Reason::truncated, name, bytes.size(), "the header is cut off");
-  if (crc != crc32_of(bytes.first(kMapHeaderBytes - 4))) return damaged(Reason::bad_checksum, name, 0, "the header's CRC differs");
+  if (crc != crc32_of(bytes.first(kMapHeaderBytes - 4)))
+    return damaged(Reason::bad_checksum, name, 0, "the header's CRC differs");
   if (header_bytes != kMapHeaderBytes) return damaged(Reason::malformed, name, 12, "the header's size is wrong");
   if (!(info.grid.resolution_m >= kMinResolution_m && info.grid.resolution_m <= kMaxResolution_m)) {
     return damaged(Reason::out_of_range, name, 16, fmt::format("resolution {} m", info.grid.resolution_m));
@@ -119,18 +123,20 @@ hal::Result<ChunkView> decode_chunk_header(ByteSpan file, std::size_t offset, co
   chunk.entry.offset = offset;
   std::array<std::uint8_t, 4> magic;
   std::uint32_t payload_bytes = 0;
-  if (!in.take(magic) || !in.take(chunk.entry.blocks) || !in.take(chunk.entry.first_key) || !in.take(chunk.entry.last_key) ||
-      !in.take(payload_bytes) || !in.take(chunk.crc)) {
+  if (!in.take(magic) || !in.take(chunk.entry.blocks) || !in.take(chunk.entry.first_key) ||
+      !in.take(chunk.entry.last_key) || !in.take(payload_bytes) || !in.take(chunk.crc)) {
     return damaged(Reason::truncated, name, offset, "a chunk is cut off");
   }
   if (magic != kChunkMagic) return damaged(Reason::malformed, name, offset, "no chunk where one must be");
-  if (!in.take_bytes(payload_bytes, chunk.payload)) return damaged(Reason::truncated, name, offset, "a chunk is cut off");
+  if (!in.take_bytes(payload_bytes, chunk.payload))
+    return damaged(Reason::truncated, name, offset, "a chunk is cut off");
   if (chunk.crc != crc32_of(chunk.payload, crc32_of(file.subspan(offset, kChunkHeaderBytes - 4)))) {
     return damaged(Reason::bad_checksum, name, offset, "a chunk's CRC differs");
   }
   const ChunkEntry& e = chunk.entry;
   if (e.blocks == 0 || e.blocks > kMaxGroupBlocks || e.first_key > e.last_key || e.last_key >= kKeyEnd) {
-    return damaged(Reason::out_of_range, name, offset, fmt::format("a chunk claims {} blocks, keys {} to {}", e.blocks, e.first_key, e.last_key));
+    return damaged(Reason::out_of_range, name, offset,
+                   fmt::format("a chunk claims {} blocks, keys {} to {}", e.blocks, e.first_key, e.last_key));
   }
   chunk.end_offset = offset + in.offset();
   return chunk;
@@ -163,9 +169,11 @@ hal::Result<void> check_index(ByteSpan file, std::size_t offset, const std::vect
   const ByteSpan found = file.subspan(offset);
   if (found.size() < expected.size()) return damaged(Reason::truncated, name, file.size(), "the index is cut off");
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    if (found[i] != expected[i]) return damaged(Reason::bad_checksum, name, offset + i, "the index does not match the chunks");
+    if (found[i] != expected[i])
+      return damaged(Reason::bad_checksum, name, offset + i, "the index does not match the chunks");
   }
-  if (found.size() > expected.size()) return damaged(Reason::malformed, name, offset + expected.size(), "bytes follow the end");
+  if (found.size() > expected.size())
+    return damaged(Reason::malformed, name, offset + expected.size(), "bytes follow the end");
   return {};
 }
 

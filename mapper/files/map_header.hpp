@@ -3,9 +3,9 @@
 //
 //   header   magic[8] u32 version, u32 header bytes, f32 resolution, u8 hit, u8 miss, u16 0, u64 layer, f64 pose[7],
 //            u64 occupied, free, coloured, blocks, uniform blocks, u32 dense blocks, bricks, chunks, 0, u32 CRC
-//   chunk    "CHNK" u32 blocks, u64 first key, u64 last key, u32 payload bytes, u32 CRC of all this and the payload; payload
-//   index    "INDX" u32 chunks, per chunk (u64 offset, u64 first key, u64 last key, u32 blocks), u32 CRC
-//   end      u64 index offset, u64 file bytes, u32 CRC over all CRCs before, magic[8]
+//   chunk    "CHNK" u32 blocks, u64 first key, u64 last key, u32 payload bytes, u32 CRC of all this and the payload;
+//   payload index    "INDX" u32 chunks, per chunk (u64 offset, u64 first key, u64 last key, u32 blocks), u32 CRC end
+//   u64 index offset, u64 file bytes, u32 CRC over all CRCs before, magic[8]
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ namespace g3d::mapper {
 
 /// What a map file carries besides its voxels.
 struct MapFileMeta {
-  hal::Pose T_world_map;        ///< where this map stands among others
-  UpdateSteps steps;            ///< with which it was made
-  std::uint64_t layer_id = 0;   ///< who made it; breaks ties when maps are merged
+  hal::Pose T_world_map;       ///< where this map stands among others
+  UpdateSteps steps;           ///< with which it was made
+  std::uint64_t layer_id = 0;  ///< who made it; breaks ties when maps are merged
 };
 
 struct MapInfo {

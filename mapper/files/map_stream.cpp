@@ -52,11 +52,13 @@ std::size_t memory_of(const MapInfo& info) {
 }
 
 Error too_small(const std::string& name, const MapInfo& info) {
-  return {Reason::no_capacity, fmt::format("{}: a map of {} blocks ({} dense) does not fit into the memory allowed; allow more",
-                                           name, info.counts.blocks, info.dense_blocks)};
+  return {Reason::no_capacity,
+          fmt::format("{}: a map of {} blocks ({} dense) does not fit into the memory allowed; allow more", name,
+                      info.counts.blocks, info.dense_blocks)};
 }
 
-hal::Result<std::unique_ptr<VoxelMap>> make_map(const MapInfo& info, const LoadOptions& options, const std::string& name) {
+hal::Result<std::unique_ptr<VoxelMap>> make_map(const MapInfo& info, const LoadOptions& options,
+                                                const std::string& name) {
   if (info.counts.blocks > 0xFFFFFFFFU / 8 || (!options.capacity && memory_of(info) > options.memory_limit_bytes)) {
     return too_small(name, info);
   }
@@ -72,8 +74,8 @@ hal::Result<void> load_chunk(const ChunkView& chunk, BlockDecoder& decoder, Voxe
                              const std::string& name) {
   const auto decoded = decoder.decode(chunk.payload);
   const auto fail = [&](Reason reason, const std::string& what) {
-    return Error{reason, fmt::format("{}: chunk at byte {}: {}; the file is damaged, take another copy or map again", name,
-                                     chunk.entry.offset, what)};
+    return Error{reason, fmt::format("{}: chunk at byte {}: {}; the file is damaged, take another copy or map again",
+                                     name, chunk.entry.offset, what)};
   };
   if (!decoded) return fail(decoded.error().reason, decoded.error().text);
   const std::span<const StoredBlock> blocks = decoded.value();
@@ -125,8 +127,9 @@ hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name, const
   loaded.info = header.value();
   loaded.info.file_bytes = bytes.size();
   if (loaded.info.chunks > bytes.size() / kChunkHeaderBytes) {
-    return Error{Reason::truncated, fmt::format("{}: byte {}: ends before its {} chunks; take another copy or map again", name,
-                                                bytes.size(), loaded.info.chunks)};
+    return Error{Reason::truncated,
+                 fmt::format("{}: byte {}: ends before its {} chunks; take another copy or map again", name,
+                             bytes.size(), loaded.info.chunks)};
   }
   auto map = make_map(loaded.info, options, name);
   if (!map) return map.error();
@@ -140,9 +143,11 @@ hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name, const
     const auto chunk = decode_chunk_header(bytes, offset, name);
     if (!chunk) return chunk.error();
     if (!index.empty() && chunk.value().entry.first_key <= index.back().last_key) {
-      return Error{Reason::malformed, fmt::format("{}: byte {}: chunks out of order; take another copy or map again", name, offset)};
+      return Error{Reason::malformed,
+                   fmt::format("{}: byte {}: chunks out of order; take another copy or map again", name, offset)};
     }
-    if (const auto done = load_chunk(chunk.value(), decoder, *loaded.map, loaded.info, name); !done) return done.error();
+    if (const auto done = load_chunk(chunk.value(), decoder, *loaded.map, loaded.info, name); !done)
+      return done.error();
     index.push_back(chunk.value().entry);
     chain_crc(crc_chain, chunk.value().crc);
     offset = chunk.value().end_offset;
@@ -150,10 +155,12 @@ hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name, const
   if (const auto done = check_index(bytes, offset, index, crc_chain, name); !done) return done.error();
   const MapCounts counts = loaded.map->counts();
   const MapCounts& said = loaded.info.counts;
-  if (counts.occupied != said.occupied || counts.free != said.free || counts.coloured != said.coloured || counts.blocks != said.blocks) {
-    return Error{Reason::malformed, fmt::format("{}: byte 88: holds {} occupied and {} free voxels, but announces {} and {}; take "
-                                                "another copy or map again",
-                                                name, counts.occupied, counts.free, said.occupied, said.free)};
+  if (counts.occupied != said.occupied || counts.free != said.free || counts.coloured != said.coloured ||
+      counts.blocks != said.blocks) {
+    return Error{Reason::malformed,
+                 fmt::format("{}: byte 88: holds {} occupied and {} free voxels, but announces {} and {}; take "
+                             "another copy or map again",
+                             name, counts.occupied, counts.free, said.occupied, said.free)};
   }
   return loaded;
 }

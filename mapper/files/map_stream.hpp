@@ -33,7 +33,9 @@ struct LoadedMap {
 using ByteSink = std::function<hal::Result<void>(ByteSpan)>;
 [[nodiscard]] hal::Result<SaveReport> encode_map(const VoxelMap& map, const MapFileMeta& meta, const ByteSink& sink,
                                                  int zstd_level = kDefaultZstdLevel);
-/// `name` stands for the file in error texts. Hostile bytes give an error; a map is returned only if everything is valid.
-[[nodiscard]] hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name, const LoadOptions& options = {});
+/// `name` stands for the file in error texts. Hostile bytes give an error; a map is returned only if everything is
+/// valid.
+[[nodiscard]] hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name,
+                                                const LoadOptions& options = {});
 
 }  // namespace g3d::mapper

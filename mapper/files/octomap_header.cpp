@@ -53,7 +53,9 @@ hal::Result<OctomapHeader> decode_octomap_header(ByteSpan bytes, const std::stri
   OctomapHeader header;
   const auto first = take_line(text);
   if (!first || (*first != kFullLine && *first != kBinaryLine)) {
-    return Error{Reason::malformed, fmt::format("{}:1: not an OctoMap file of version 1.x; give a .ot or .bt file that octomap wrote", name)};
+    return Error{
+        Reason::malformed,
+        fmt::format("{}:1: not an OctoMap file of version 1.x; give a .ot or .bt file that octomap wrote", name)};
   }
   header.is_binary = *first == kBinaryLine;
   bool has_type = false;
@@ -61,13 +63,16 @@ hal::Result<OctomapHeader> decode_octomap_header(ByteSpan bytes, const std::stri
   bool has_resolution = false;
   for (std::size_t number = 2; number < kMaxLines; ++number) {
     const auto line = take_line(text);
-    if (!line) return Error{Reason::truncated, fmt::format("{}:{}: the header ends before its `data` line; take another copy", name, number)};
+    if (!line)
+      return Error{Reason::truncated,
+                   fmt::format("{}:{}: the header ends before its `data` line; take another copy", name, number)};
     const auto fail = [&](Reason reason, std::string_view what, std::string_view remedy) {
       return Error{reason, fmt::format("{}:{}: {}; {}", name, number, what, remedy)};
     };
     if (line->empty() || line->front() == '#') continue;
     if (*line == "data") {
-      if (!has_type || !has_size || !has_resolution) return fail(Reason::malformed, "`id`, `size` or `res` is missing", "take another copy");
+      if (!has_type || !has_size || !has_resolution)
+        return fail(Reason::malformed, "`id`, `size` or `res` is missing", "take another copy");
       header.data_offset = bytes.size() - text.size();
       return header;
     }
@@ -79,10 +84,12 @@ hal::Result<OctomapHeader> decode_octomap_header(ByteSpan bytes, const std::stri
       header.is_coloured = type == "ColorOcTree";
       has_type = true;
     } else if (has_word(*line, "size")) {
-      if (!parse(value_after(*line, "size"), header.nodes)) return fail(Reason::malformed, "`size` is not a count", "take another copy");
+      if (!parse(value_after(*line, "size"), header.nodes))
+        return fail(Reason::malformed, "`size` is not a count", "take another copy");
       has_size = true;
     } else if (has_word(*line, "res")) {
-      if (!parse(value_after(*line, "res"), header.resolution_m)) return fail(Reason::malformed, "`res` is not a number", "take another copy");
+      if (!parse(value_after(*line, "res"), header.resolution_m))
+        return fail(Reason::malformed, "`res` is not a number", "take another copy");
       if (!(header.resolution_m >= 0.0005 && header.resolution_m <= 100.0)) {
         return fail(Reason::out_of_range, "`res` is outside of 0.0005..100 m", "check the file's maker");
       }

@@ -12,9 +12,9 @@
 namespace g3d::mapper {
 
 struct OctomapHeader {
-  bool is_binary = false;   ///< `.bt`
-  bool is_coloured = false; ///< ColorOcTree
-  std::uint64_t nodes = 0;  ///< as claimed by `size`
+  bool is_binary = false;    ///< `.bt`
+  bool is_coloured = false;  ///< ColorOcTree
+  std::uint64_t nodes = 0;   ///< as claimed by `size`
   double resolution_m = 0;
   std::size_t data_offset = 0;
 };

@@ -24,7 +24,9 @@ struct Leaf {
   Rgbo value;   ///< stored form
 };
 
-std::uint64_t blocks_of(const Leaf& leaf) { return leaf.depth >= kBlockDepth ? 1 : std::uint64_t{1} << (3 * (kBlockDepth - leaf.depth)); }
+std::uint64_t blocks_of(const Leaf& leaf) {
+  return leaf.depth >= kBlockDepth ? 1 : std::uint64_t{1} << (3 * (kBlockDepth - leaf.depth));
+}
 bool is_coloured(const Leaf& leaf) { return (leaf.value & kHasColourBit) != 0; }
 
 /// Depth-first over the file's nodes. Stops at the first thing wrong and says what.
@@ -61,7 +63,8 @@ class TreeReader {
     float log_odds = 0;
     std::array<std::uint8_t, 3> rgb{255, 255, 255};
     std::uint8_t mask = 0;
-    if (!in_.take(log_odds) || (header_.is_coloured && !in_.take(rgb)) || !in_.take(mask)) return fail("the tree is cut off", Reason::truncated);
+    if (!in_.take(log_odds) || (header_.is_coloured && !in_.take(rgb)) || !in_.take(mask))
+      return fail("the tree is cut off", Reason::truncated);
     if (!std::isfinite(log_odds)) return fail("a node's log-odds are not a number");
     if (mask == 0) {
       const std::uint8_t level = level_of_log_odds(log_odds);
@@ -180,14 +183,18 @@ hal::Result<OctomapContents> decode_octomap(ByteSpan bytes, const std::string& n
   if (!header) return header.error();
   const ByteSpan data = bytes.subspan(header.value().data_offset);
   const auto no_room = [&](std::uint64_t blocks) {
-    return Error{Reason::no_capacity, fmt::format("{}: a tree of {} blocks does not fit into the memory allowed; allow more or use a coarser tree", name, blocks)};
+    return Error{
+        Reason::no_capacity,
+        fmt::format("{}: a tree of {} blocks does not fit into the memory allowed; allow more or use a coarser tree",
+                    name, blocks)};
   };
 
   Measure measure;
   const auto measure_leaf = [&](const Leaf& leaf) { measure.add(leaf); };
   TreeReader<decltype(measure_leaf)> checker(header.value(), data, measure_leaf);
   if (!checker.read()) {
-    return Error{checker.reason(), fmt::format("{}: byte {}: {}; take another copy of the file", name, header.value().data_offset + checker.offset(), checker.problem())};
+    return Error{checker.reason(), fmt::format("{}: byte {}: {}; take another copy of the file", name,
+                                               header.value().data_offset + checker.offset(), checker.problem())};
   }
   if (!measure.fits(options.memory_limit_bytes)) return no_room(measure.blocks());
 
@@ -197,7 +204,8 @@ hal::Result<OctomapContents> decode_octomap(ByteSpan bytes, const std::string& n
   contents.occupied_leaves = measure.occupied_leaves;
   contents.free_leaves = measure.free_leaves;
   try {
-    contents.map = std::make_unique<VoxelMap>(Grid{static_cast<float>(header.value().resolution_m)}, measure.capacity());
+    contents.map =
+        std::make_unique<VoxelMap>(Grid{static_cast<float>(header.value().resolution_m)}, measure.capacity());
   } catch (const std::bad_alloc&) {
     return no_room(measure.blocks());
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// OctoMap files (octomap_format.hpp) of any program as a map: OcTree and ColorOcTree, `.ot` and `.bt`. Leaves above voxel
-// size become uniform blocks or parts of blocks. The whole file is checked and measured before a map is made, so that a
-// hostile one (huge leaves, endless depth, lying sizes) costs nothing.
+// OctoMap files (octomap_format.hpp) of any program as a map: OcTree and ColorOcTree, `.ot` and `.bt`. Leaves above
+// voxel size become uniform blocks or parts of blocks. The whole file is checked and measured before a map is made, so
+// that a hostile one (huge leaves, endless depth, lying sizes) costs nothing.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ struct OctomapContents {
 };
 
 /// `name` stands for the file in error texts. Errors: malformed, truncated, unsupported, out_of_range, no_capacity.
-[[nodiscard]] hal::Result<OctomapContents> decode_octomap(ByteSpan bytes, const std::string& name, const OctomapOptions& options = {});
+[[nodiscard]] hal::Result<OctomapContents> decode_octomap(ByteSpan bytes, const std::string& name,
+                                                          const OctomapOptions& options = {});
 [[nodiscard]] hal::Result<OctomapContents> read_octomap(const std::string& path, const OctomapOptions& options = {});
 
 }  // namespace g3d::mapper

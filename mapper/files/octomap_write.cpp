@@ -79,7 +79,8 @@ class TreeWriter {
       if (state_of(value) == State::unknown) return {};
       return write_leaf((value & kHasColourBit) != 0 ? (value & ~Rgbo{kHasColourBit}) : kNoColour | level_of(value));
     }
-    return write_inner([&](int child) { return write_part(first + static_cast<std::size_t>(child) * count / 8, count / 8); });
+    return write_inner(
+        [&](int child) { return write_part(first + static_cast<std::size_t>(child) * count / 8, count / 8); });
   }
   NodeSummary write_leaf(Rgbo value) {
     ++nodes_;
@@ -152,7 +153,10 @@ struct BinaryFormat {
     std::uint16_t bits = 0;
     for (std::size_t i = 0; i < 8; ++i) {
       const NodeSummary& child = children[i];
-      const unsigned code = !child.exists ? 0U : !child.is_leaf ? 3U : state_of(child.value) == State::occupied ? 2U : 1U;
+      const unsigned code = !child.exists                              ? 0U
+                            : !child.is_leaf                           ? 3U
+                            : state_of(child.value) == State::occupied ? 2U
+                                                                       : 1U;
       bits = static_cast<std::uint16_t>(bits | (code << (2 * i)));
     }
     std::memcpy(out.data() + at, &bits, 2);
@@ -165,9 +169,10 @@ Bytes encode_tree(const VoxelMap& map, Format format, std::string_view first_lin
   Bytes tree;
   TreeWriter<Format> writer(map, tree, format);
   writer.write(0, keys);
-  const std::string header =
-      fmt::format("{}\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid {}\nsize {}\nres {}\ndata\n",
-                  first_line, tree_type, writer.node_count(), map.grid().resolution_m);
+  const std::string header = fmt::format(
+      "{}\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid {}\nsize {}\nres "
+      "{}\ndata\n",
+      first_line, tree_type, writer.node_count(), map.grid().resolution_m);
   Bytes out;
   out.reserve(header.size() + tree.size());
   out.insert(out.end(), header.begin(), header.end());

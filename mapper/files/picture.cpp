@@ -27,7 +27,9 @@ Picture::Picture(hal::ImageSize size, const Rgb& top, const Rgb& bottom)
 void Picture::draw_quad(const std::array<ScreenPoint, 4>& corners, const Rgb& colour) {
   const auto [x_low, x_high] = std::minmax({corners[0].x_px, corners[1].x_px, corners[2].x_px, corners[3].x_px});
   const auto [y_low, y_high] = std::minmax({corners[0].y_px, corners[1].y_px, corners[2].y_px, corners[3].y_px});
-  if (!(x_high >= 0 && y_high >= 0 && x_low < static_cast<float>(size_.width_px) && y_low < static_cast<float>(size_.height_px))) return;
+  if (!(x_high >= 0 && y_high >= 0 && x_low < static_cast<float>(size_.width_px) &&
+        y_low < static_cast<float>(size_.height_px)))
+    return;
   const int x0 = std::max(0, static_cast<int>(std::ceil(x_low - 0.5F)));
   const int x1 = std::min(size_.width_px - 1, static_cast<int>(std::floor(x_high - 0.5F)));
   const int y0 = std::max(0, static_cast<int>(std::ceil(y_low - 0.5F)));
@@ -39,7 +41,8 @@ void Picture::draw_quad(const std::array<ScreenPoint, 4>& corners, const Rgb& co
       const float px = static_cast<float>(x) + 0.5F;
       const float py = static_cast<float>(y) + 0.5F;
       bool inside = true;
-      for (std::size_t i = 0; i < 4 && inside; ++i) inside = sign * side_of(corners[i], corners[(i + 1) % 4], px, py) >= 0;
+      for (std::size_t i = 0; i < 4 && inside; ++i)
+        inside = sign * side_of(corners[i], corners[(i + 1) % 4], px, py) >= 0;
       const std::size_t at = index(x, y);
       if (!inside || depth_m >= depth_[at]) continue;
       depth_[at] = depth_m;
@@ -75,9 +78,11 @@ void Picture::draw_line(const ScreenPoint& from, const ScreenPoint& to, float ra
 
 void Picture::shade_by_depth(int radius_px, float strength) {
   std::vector<float> log_depth(depth_.size());
-  std::transform(depth_.begin(), depth_.end(), log_depth.begin(), [](float d) { return d < kFar_m ? std::log2(d) : 6.0F; });
+  std::transform(depth_.begin(), depth_.end(), log_depth.begin(),
+                 [](float d) { return d < kFar_m ? std::log2(d) : 6.0F; });
   const int r = radius_px;
-  const std::array<std::array<int, 2>, 8> around{{{r, 0}, {-r, 0}, {0, r}, {0, -r}, {r, r}, {-r, r}, {r, -r}, {-r, -r}}};
+  const std::array<std::array<int, 2>, 8> around{
+      {{r, 0}, {-r, 0}, {0, r}, {0, -r}, {r, r}, {-r, r}, {r, -r}, {-r, -r}}};
   for (int y = 0; y < size_.height_px; ++y) {
     for (int x = 0; x < size_.width_px; ++x) {
       const std::size_t at = index(x, y);
@@ -98,7 +103,8 @@ std::vector<std::uint8_t> Picture::halved() const {
   rgb.reserve(3 * colour_.size() / 4);
   for (int y = 0; y + 1 < size_.height_px; y += 2) {
     for (int x = 0; x + 1 < size_.width_px; x += 2) {
-      const std::array<const Rgb*, 4> four{&colour_[index(x, y)], &colour_[index(x + 1, y)], &colour_[index(x, y + 1)], &colour_[index(x + 1, y + 1)]};
+      const std::array<const Rgb*, 4> four{&colour_[index(x, y)], &colour_[index(x + 1, y)], &colour_[index(x, y + 1)],
+                                           &colour_[index(x + 1, y + 1)]};
       Rgb mean;
       for (const Rgb* c : four) mean = {mean.r + c->r / 4, mean.g + c->g / 4, mean.b + c->b / 4};
       rgb.insert(rgb.end(), {to_byte(mean.r), to_byte(mean.g), to_byte(mean.b)});

@@ -28,6 +28,7 @@ struct CloudPoint {
 [[nodiscard]] Bytes encode_pcd(const std::vector<CloudPoint>& points);
 
 /// By temporary file, sync and rename. The path's end chooses: `.pcd`, else PLY. Returns the number of points.
-[[nodiscard]] hal::Result<std::size_t> write_point_cloud(const VoxelMap& map, const std::string& path, const PointCloudOptions& options = {});
+[[nodiscard]] hal::Result<std::size_t> write_point_cloud(const VoxelMap& map, const std::string& path,
+                                                         const PointCloudOptions& options = {});
 
 }  // namespace g3d::mapper

@@ -24,7 +24,9 @@ struct Column {
 class Columns {
  public:
   Columns(const Grid& grid, const Scene& scene) {
-    const auto cell = [&](double x_m) { return static_cast<std::int32_t>(std::lround(x_m / static_cast<double>(grid.resolution_m) + 32767.5)); };
+    const auto cell = [&](double x_m) {
+      return static_cast<std::int32_t>(std::lround(x_m / static_cast<double>(grid.resolution_m) + 32767.5));
+    };
     constexpr std::int32_t kMargin_cells = 3;
     low_x = cell(scene.low_m[0]) - kMargin_cells;
     low_y = cell(scene.low_m[1]) - kMargin_cells;
@@ -34,7 +36,8 @@ class Columns {
   }
   [[nodiscard]] Column* at(std::int32_t x, std::int32_t y) {
     if (x < low_x || y < low_y || x >= low_x + width || y >= low_y + height) return nullptr;
-    return &all[static_cast<std::size_t>(y - low_y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x - low_x)];
+    return &all[static_cast<std::size_t>(y - low_y) * static_cast<std::size_t>(width) +
+                static_cast<std::size_t>(x - low_x)];
   }
   std::int32_t low_x, low_y, width, height;
   std::vector<Column> all;
@@ -82,8 +85,8 @@ std::vector<std::uint8_t> render_top(const VoxelMap& map, const RenderOptions& o
   mark_free(map, columns);
   constexpr unsigned kBottomFaceOnly = 1U << 5;  // bit of kFaceNormals' last: seen from below alone
   for (const SceneVoxel& voxel : scene.voxels) {
-    const bool is_ceiling = voxel.faces == kBottomFaceOnly;
-    if (is_ceiling || map.grid().centre_m(voxel.index.z) > scene.ceiling_m) continue;
+    const bool is_ceiling = voxel.seen_from == kBottomFaceOnly;
+    if (is_ceiling || scene.is_above(map.grid().centre_m(voxel.index))) continue;
     Column* column = columns.at(voxel.index.x, voxel.index.y);
     if (column == nullptr || column->top_k >= voxel.index.z) continue;
     column->top_k = voxel.index.z;
@@ -92,7 +95,8 @@ std::vector<std::uint8_t> render_top(const VoxelMap& map, const RenderOptions& o
   const float px_per_cell = std::min(static_cast<float>(twice.width_px) / static_cast<float>(columns.width),
                                      static_cast<float>(twice.height_px) / static_cast<float>(columns.height));
   const float left_px = 0.5F * (static_cast<float>(twice.width_px) - px_per_cell * static_cast<float>(columns.width));
-  const float bottom_px = 0.5F * (static_cast<float>(twice.height_px) + px_per_cell * static_cast<float>(columns.height));
+  const float bottom_px =
+      0.5F * (static_cast<float>(twice.height_px) + px_per_cell * static_cast<float>(columns.height));
   const auto on_picture = [&](float x_cells, float y_cells) {
     return ScreenPoint{left_px + px_per_cell * x_cells, bottom_px - px_per_cell * y_cells, 1.0F};
   };
@@ -100,8 +104,9 @@ std::vector<std::uint8_t> render_top(const VoxelMap& map, const RenderOptions& o
     for (std::int32_t x = 0; x < columns.width; ++x) {
       const auto fx = static_cast<float>(x);
       const auto fy = static_cast<float>(y);
-      picture.draw_quad({on_picture(fx, fy), on_picture(fx + 1, fy), on_picture(fx + 1, fy + 1), on_picture(fx, fy + 1)},
-                        column_colour(columns, columns.low_x + x, columns.low_y + y));
+      picture.draw_quad(
+          {on_picture(fx, fy), on_picture(fx + 1, fy), on_picture(fx + 1, fy + 1), on_picture(fx, fy + 1)},
+          column_colour(columns, columns.low_x + x, columns.low_y + y));
     }
   }
   const auto place = [&](const hal::Pose& pose) {

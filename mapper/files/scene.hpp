@@ -12,21 +12,31 @@
 
 namespace g3d::mapper {
 
-/// The six directions of faces, in the order of the bits of SceneVoxel::faces.
-inline constexpr std::array<std::array<int, 3>, 6> kFaceNormals{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+/// The six directions of faces, in the order of the bits of SceneVoxel.
+inline constexpr std::array<std::array<int, 3>, 6> kFaceNormals{
+    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
 struct SceneVoxel {
   VoxelIndex index;
-  std::uint8_t faces = 0;      ///< bit i: the face towards kFaceNormals[i] can have been seen
+  std::uint8_t seen_from = 0;  ///< bit i: the surface that it belongs to can have been seen from kFaceNormals[i]
+  std::uint8_t bare = 0;       ///< bit i: no occupied voxel covers the face towards kFaceNormals[i]
   std::uint8_t openness = 0;   ///< how many of the 26 voxels around are not occupied
   Rgb colour;
 };
 
 struct Scene {
   std::vector<SceneVoxel> voxels;
-  std::array<double, 3> low_m{};   ///< the box that holds all but the outermost 0.2 % of the voxels on each side
+  std::array<double, 3> low_m{};  ///< the box that holds all but the outermost 0.2 % of the voxels on each side
   std::array<double, 3> high_m{};
-  double ceiling_m = 0;            ///< faces above are left out of maps without free space
+  double ceiling_m = 0;  ///< what lies above is left out: remains of a ceiling
+  [[nodiscard]] bool is_above(const std::array<double, 3>& p) const { return p[2] > ceiling_m; }
+  [[nodiscard]] bool holds(const std::array<double, 3>& p) const {
+    constexpr double kMargin_m = 0.1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (p[i] < low_m[i] - kMargin_m || p[i] > high_m[i] + kMargin_m) return false;
+    }
+    return !is_above(p);
+  }
 };
 
 [[nodiscard]] Scene make_scene(const VoxelMap& map, bool use_colour);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `map.g3d` from hostile hands. The first byte picks the way in, because CRCs and zstd frames stop blind mutation early:
-// the bytes as a file; a good file with patches; the same with its CRCs made right again; raw streams, packed properly.
-// Whatever is accepted must come back the same from a second round.
+// `map.g3d` from hostile hands. The first byte picks the way in, because CRCs and zstd frames stop blind mutation
+// early: the bytes as a file; a good file with patches; the same with its CRCs made right again; raw streams, packed
+// properly. Whatever is accepted must come back the same from a second round.
 #include <zstd.h>
 
 #include <array>
@@ -20,10 +20,13 @@ constexpr std::size_t kMaxRawBytes = 4096;
 
 Bytes encoded(const VoxelMap& map) {
   Bytes bytes;
-  const auto done = encode_map(map, {}, [&](ByteSpan part) {
-    put_bytes(bytes, part);
-    return hal::Result<void>{};
-  }, 1);
+  const auto done = encode_map(
+      map, {},
+      [&](ByteSpan part) {
+        put_bytes(bytes, part);
+        return hal::Result<void>{};
+      },
+      1);
   if (!done) std::abort();
   return bytes;
 }
@@ -34,7 +37,8 @@ Bytes good_file(std::uint8_t kind) {
   for (BlockKey key = 0; key < 3U + kind % 5U; ++key) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto level = static_cast<std::uint8_t>((i * (kind + 1U) / 64 + key) % 33);
-      values[i] = level > kUnknownLevel ? make_rgbo(kind, static_cast<std::uint8_t>(i), 7, level | kHasColourBit) : level;
+      values[i] =
+          level > kUnknownLevel ? make_rgbo(kind, static_cast<std::uint8_t>(i), 7, level | kHasColourBit) : level;
     }
     if (key % 2 == kind % 2) values.fill(kind % 33U);
     (void)map.write_block(key * key * (kind + 1U), values);
@@ -60,7 +64,8 @@ void repair(Bytes& file) {
   std::memcpy(&payload_bytes, file.data() + chunk + 24, 4);
   if (payload_bytes > file.size() - chunk - kChunkHeaderBytes) return;
   const ByteSpan all(file);
-  put_crc(file, chunk + 28, crc32_of(all.subspan(chunk + kChunkHeaderBytes, payload_bytes), crc32_of(all.subspan(chunk, 28))));
+  put_crc(file, chunk + 28,
+          crc32_of(all.subspan(chunk + kChunkHeaderBytes, payload_bytes), crc32_of(all.subspan(chunk, 28))));
 }
 
 Bytes packed_streams(ByteSpan data) {
@@ -75,7 +80,8 @@ Bytes packed_streams(ByteSpan data) {
     payload.resize(at + ZSTD_compressBound(raw.size()));
     const std::size_t packed = ZSTD_compress(payload.data() + at, payload.size() - at, raw.data(), raw.size(), 1);
     payload.resize(at + packed);
-    const std::array<std::uint32_t, 2> sizes{static_cast<std::uint32_t>(raw.size()), static_cast<std::uint32_t>(packed)};
+    const std::array<std::uint32_t, 2> sizes{static_cast<std::uint32_t>(raw.size()),
+                                             static_cast<std::uint32_t>(packed)};
     std::memcpy(payload.data() + id * 8, sizes.data(), 8);
   }
   return payload;
@@ -97,8 +103,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ByteSpan rest(data + 2, size_bytes - 2);
   static BlockDecoder decoder;
   switch (data[0] % 4) {
-    case 0: check_file(rest); break;
-    case 3: (void)decoder.decode(packed_streams(rest)).ok(); break;
+    case 0:
+      check_file(rest);
+      break;
+    case 3:
+      (void)decoder.decode(packed_streams(rest)).ok();
+      break;
     default: {
       static std::array<Bytes, 256> good;
       if (good[data[1]].empty()) good[data[1]] = good_file(data[1]);

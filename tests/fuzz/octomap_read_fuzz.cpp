@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OctoMap files from hostile hands. The first byte picks the way in: the bytes as a file, as a tree behind a good header,
-// or as patches of a good file. Whatever is accepted must come back the same from a file that we write of it.
+// OctoMap files from hostile hands. The first byte picks the way in: the bytes as a file, as a tree behind a good
+// header, or as patches of a good file. Whatever is accepted must come back the same from a file that we write of it.
 #include <array>
 #include <cstdlib>
 #include <string>
@@ -47,7 +47,8 @@ Bytes good_file(std::uint8_t kind) {
   BlockValues values;
   for (BlockKey key = 0; key < 1U + kind % 4U; ++key) {
     values.fill(kUnknownRgbo);
-    for (std::size_t i = key; i < values.size(); i += 1U + kind) values[i] = kind % 2 == 0 ? 30U : make_rgbo(9, 8, kind, 20);
+    for (std::size_t i = key; i < values.size(); i += 1U + kind)
+      values[i] = kind % 2 == 0 ? 30U : make_rgbo(9, 8, kind, 20);
     if (key == 2) values.fill(1);
     (void)map.write_block(key * kind, values);
   }
@@ -66,8 +67,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size_bytes < 2) return 0;
   const ByteSpan rest(data + 2, size_bytes - 2);
   switch (data[0] % 3) {
-    case 0: check_file(rest); break;
-    case 1: check_file(with_header(data[1], rest)); break;
+    case 0:
+      check_file(rest);
+      break;
+    case 1:
+      check_file(with_header(data[1], rest));
+      break;
     default: {
       static std::array<Bytes, 256> good;
       if (good[data[1]].empty()) good[data[1]] = good_file(data[1]);

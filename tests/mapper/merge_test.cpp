@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/merge.hpp"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "mapper/map_hash.hpp"
@@ -47,9 +47,9 @@ TEST_CASE("Levels add up around unknown and are clamped once, at the end") {
   CHECK(merged_voxel({20, 12}) == 16);
   CHECK(merged_voxel({32, 32}) == 32);
   CHECK(merged_voxel({0, 0}) == 0);
-  CHECK(merged_voxel({32, 32, 0}) == 32);      // 16 + 16 - 16: clamping in between would give 16
+  CHECK(merged_voxel({32, 32, 0}) == 32);  // 16 + 16 - 16: clamping in between would give 16
   CHECK(merged_voxel({0, 0, 0, 32, 32}) == 0);
-  CHECK(merged_voxel({16, 18}) == 18);         // who does not know has no say
+  CHECK(merged_voxel({16, 18}) == 18);  // who does not know has no say
 }
 
 TEST_CASE("The surest map gives the colour, ties the lowest layer, then the lowest colour") {

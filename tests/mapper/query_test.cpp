@@ -24,7 +24,8 @@ NodeState slow_node_state(const VoxelMap& map, MCode code, int levels_up) {
 }
 
 /// Distance at which a ray enters the cell of a voxel, infinite if it misses it.
-double entry_m(const Grid& grid, const VoxelIndex& v, const std::array<double, 3>& origin, const std::array<double, 3>& unit) {
+double entry_m(const Grid& grid, const VoxelIndex& v, const std::array<double, 3>& origin,
+               const std::array<double, 3>& unit) {
   const auto r = static_cast<double>(grid.resolution_m);
   const std::array<std::int32_t, 3> k{v.x, v.y, v.z};
   double in = 0;
@@ -48,7 +49,8 @@ TEST_CASE("A node says what all its voxels say") {
   std::array<int, 4> found{};
   for (int levels_up = 0; levels_up <= 6; ++levels_up) {
     for (int i = 0; i < (levels_up < 5 ? 400 : 20); ++i) {
-      const VoxelIndex v{32768 + static_cast<int>(random.below(120)) - 60, 32768 + static_cast<int>(random.below(120)) - 60,
+      const VoxelIndex v{32768 + static_cast<int>(random.below(120)) - 60,
+                         32768 + static_cast<int>(random.below(120)) - 60,
                          32768 + static_cast<int>(random.below(120)) - 60};
       const NodeState expected = slow_node_state(*map, encode(v), levels_up);
       REQUIRE(node_state(*map, encode(v), levels_up) == expected);
@@ -144,7 +146,8 @@ TEST_CASE("A box holds exactly the known voxels whose centres lie in it") {
         for (int z = 32740; z < 32810; ++z) {
           const auto c = map->grid().centre_m(VoxelIndex{x, y, z});
           bool inside = true;
-          for (std::size_t axis = 0; axis < 3; ++axis) inside = inside && c[axis] >= box.low_m[axis] && c[axis] <= box.high_m[axis];
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            inside = inside && c[axis] >= box.low_m[axis] && c[axis] <= box.high_m[axis];
           if (!inside) continue;
           const State state = state_of(map->at(VoxelIndex{x, y, z}));
           ++(state == State::occupied ? expected.occupied : state == State::free ? expected.free : expected.unknown);

@@ -13,7 +13,8 @@ using mapper::State;
 namespace {
 
 nav::GroundGrid small_grid() {
-  return {0.05F, -1.25, 2.5, 3, 2, {State::occupied, State::free, State::unknown, State::free, State::free, State::occupied}};
+  return {0.05F, -1.25, 2.5,
+          3,     2,     {State::occupied, State::free, State::unknown, State::free, State::free, State::occupied}};
 }
 
 }  // namespace

@@ -41,9 +41,10 @@ TEST_CASE("A room projects to walls, furniture and free floor") {
   const auto map = tests::furnished_room(0.1F);
   const nav::GroundGrid ground = nav::project_to_ground(*map);
   const auto at = [&](double x, double y) {
-    return ground.at(static_cast<int>(std::floor((x - ground.origin_x_m) / 0.1)), static_cast<int>(std::floor((y - ground.origin_y_m) / 0.1)));
+    return ground.at(static_cast<int>(std::floor((x - ground.origin_x_m) / 0.1)),
+                     static_cast<int>(std::floor((y - ground.origin_y_m) / 0.1)));
   };
-  CHECK(at(0.0, 0.0) == State::occupied);    // under the table top: 0.70 m is in the band
+  CHECK(at(0.0, 0.0) == State::occupied);  // under the table top: 0.70 m is in the band
   CHECK(at(-1.5, 0.0) == State::free);
   CHECK(at(-3.05, 1.5) == State::occupied);  // wall
   CHECK(at(3.05, 1.2) == State::free);       // the doorway

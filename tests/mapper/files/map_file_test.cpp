@@ -98,7 +98,8 @@ TEST_CASE("A process killed at any moment of a save leaves the old map or the ne
   REQUIRE(save_map(*old_map, {}, path).ok());
   const auto begin = std::chrono::steady_clock::now();
   REQUIRE(save_map(*new_map, {}, path).ok());
-  const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - begin).count();
+  const auto duration_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - begin).count();
 
   tests::Random random(44);
   int old_found = 0;
@@ -170,7 +171,8 @@ TEST_CASE("A read-only folder fails clearly and keeps the old map") {
   REQUIRE(chmod(folder.path().c_str(), 0555) == 0);
   // Root may write everywhere: the child gives that up first.
   const pid_t child = in_child([&] {
-    if (geteuid() == 0 && (chown(folder.path().c_str(), 65534, 65534) != 0 || setgid(65534) != 0 || setuid(65534) != 0)) return 0;
+    if (geteuid() == 0 && (chown(folder.path().c_str(), 65534, 65534) != 0 || setgid(65534) != 0 || setuid(65534) != 0))
+      return 0;
     const auto done = save_map(*map, {}, path);
     if (done.ok()) return 1;
     return done.error().reason == hal::Reason::no_permission && done.error().text.find(path) == 0 ? 0 : 2;

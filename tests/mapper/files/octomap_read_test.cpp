@@ -48,7 +48,9 @@ void fill(Tree& tree, std::uint64_t seed) {
   for (double x = 4.0; x < 7.2; x += tree.getResolution()) {
     for (double y = 0.0; y < 1.6; y += tree.getResolution()) {
       for (double z = 0.0; z < 1.6; z += tree.getResolution()) {
-        tree.setNodeValue(octomap::point3d(static_cast<float>(x + 0.01), static_cast<float>(y + 0.01), static_cast<float>(z + 0.01)), x < 5.6 ? -2.0F : 3.5F);
+        tree.setNodeValue(
+            octomap::point3d(static_cast<float>(x + 0.01), static_cast<float>(y + 0.01), static_cast<float>(z + 0.01)),
+            x < 5.6 ? -2.0F : 3.5F);
       }
     }
   }
@@ -104,7 +106,8 @@ TEST_CASE("A ColorOcTree of liboctomap comes over with its colours") {
   CHECK(differences(*read.value().map, tree, [](Rgbo ours, const octomap::ColorOcTreeNode& theirs) {
           const auto c = theirs.getColor();
           const bool coloured = theirs.isColorSet() && state_of(ours) == State::occupied;
-          return ours == make_rgbo(coloured ? c.r : 0, coloured ? c.g : 0, coloured ? c.b : 0, level_of_log_odds(theirs.getLogOdds()));
+          return ours == make_rgbo(coloured ? c.r : 0, coloured ? c.g : 0, coloured ? c.b : 0,
+                                   level_of_log_odds(theirs.getLogOdds()));
         }) == 0);
 }
 
@@ -133,7 +136,8 @@ TEST_CASE("Our own .ot comes back bit by bit") {
 
 TEST_CASE("A recorded building comes over whole") {
   const char* folder = std::getenv("G3D_DATA");
-  const std::filesystem::path path = std::filesystem::path(folder != nullptr ? folder : "../shared/data") / "octomap/geb079.bt";
+  const std::filesystem::path path =
+      std::filesystem::path(folder != nullptr ? folder : "../shared/data") / "octomap/geb079.bt";
   if (!std::filesystem::exists(path)) return;
   std::ifstream in(path, std::ios::binary);
   const Bytes bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
@@ -199,7 +203,8 @@ TEST_CASE("Malformed OctoMap files are refused with place and remedy") {
     chain.push_back(1);
   }
   CHECK(reason(good, chain) == Reason::malformed);
-  CHECK(reason("# Octomap OcTree binary file\nid OcTree\nsize 99\nres 1\ndata\n", Bytes(64, 0xFF)) == Reason::malformed);
+  CHECK(reason("# Octomap OcTree binary file\nid OcTree\nsize 99\nres 1\ndata\n", Bytes(64, 0xFF)) ==
+        Reason::malformed);
 }
 
 TEST_CASE("Every cut and many a spoiled byte of an OctoMap file is survived") {
@@ -207,7 +212,8 @@ TEST_CASE("Every cut and many a spoiled byte of an OctoMap file is survived") {
   const Bytes good = encode_octomap_full(*map);
   OctomapOptions options;
   options.memory_limit_bytes = std::size_t{1} << 22;
-  for (std::size_t size = 0; size < good.size(); size += 1 + size / 50) CHECK_FALSE(decode_octomap(ByteSpan(good).first(size), "cut.ot", options).ok());
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 50)
+    CHECK_FALSE(decode_octomap(ByteSpan(good).first(size), "cut.ot", options).ok());
   tests::Random random(36);
   for (int i = 0; i < 300; ++i) {
     Bytes bad = good;

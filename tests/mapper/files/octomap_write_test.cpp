@@ -20,7 +20,8 @@ std::istringstream stream_of(const Bytes& bytes) { return std::istringstream(std
 
 octomap::OcTreeKey key_of(MCode code) {
   const VoxelIndex v = decode(code);
-  return {static_cast<octomap::key_type>(v.x), static_cast<octomap::key_type>(v.y), static_cast<octomap::key_type>(v.z)};
+  return {static_cast<octomap::key_type>(v.x), static_cast<octomap::key_type>(v.y),
+          static_cast<octomap::key_type>(v.z)};
 }
 
 /// Calls `check(code, value)` for every voxel of every known block, the unknown ones too.
@@ -37,7 +38,8 @@ void for_each_voxel(const VoxelMap& map, Check check) {
 template <typename Tree>
 std::uint64_t voxels_in(const Tree& tree) {
   std::uint64_t voxels = 0;
-  for (auto it = tree.begin_leafs(); it != tree.end_leafs(); ++it) voxels += std::uint64_t{1} << (3 * (16 - it.getDepth()));
+  for (auto it = tree.begin_leafs(); it != tree.end_leafs(); ++it)
+    voxels += std::uint64_t{1} << (3 * (16 - it.getDepth()));
   return voxels;
 }
 
@@ -134,7 +136,9 @@ TEST_CASE("liboctomap finds every state of our .bt") {
   for_each_voxel(*map, [&](MCode code, Rgbo value) {
     const octomap::OcTreeNode* node = tree.search(key_of(code));
     const bool known = state_of(value) != State::unknown;
-    wrong += known != (node != nullptr) || (known && tree.isNodeOccupied(node) != (state_of(value) == State::occupied)) ? 1 : 0;
+    wrong += known != (node != nullptr) || (known && tree.isNodeOccupied(node) != (state_of(value) == State::occupied))
+                 ? 1
+                 : 0;
   });
   CHECK(wrong == 0);
 }

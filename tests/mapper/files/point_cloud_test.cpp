@@ -13,7 +13,9 @@ namespace {
 
 std::string_view text(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-std::size_t data_after(const Bytes& bytes, std::string_view last_line) { return text(bytes).find(last_line) + last_line.size(); }
+std::size_t data_after(const Bytes& bytes, std::string_view last_line) {
+  return text(bytes).find(last_line) + last_line.size();
+}
 
 /// 4x4x4 occupied voxels, the lowest one red, the others without a colour.
 std::unique_ptr<VoxelMap> cube() {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/files/render.hpp"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
 
@@ -43,7 +43,8 @@ TEST_CASE("The picture looks into the room: floor, sofa and ball are seen, the c
   int changed = 0;
   for (std::size_t i = 0; i < rgb.size(); i += 3) changed += rgb[i] != background[i] ? 1 : 0;
   CHECK(changed > static_cast<int>(kSize.pixel_count()) / 4);
-  for (int x = 0; x < kSize.width_px; ++x) REQUIRE(rgb[3 * static_cast<std::size_t>(x)] == background[3 * static_cast<std::size_t>(x)]);  // nothing is cut off
+  for (int x = 0; x < kSize.width_px; ++x)
+    REQUIRE(rgb[3 * static_cast<std::size_t>(x)] == background[3 * static_cast<std::size_t>(x)]);  // nothing is cut off
 }
 
 TEST_CASE("A room mapped without free space is looked into as well") {
