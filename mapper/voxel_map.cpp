@@ -65,11 +65,13 @@ std::uint32_t VoxelMap::find_or_insert(BlockKey key) {
   const std::uint32_t slot = headers_.take();
   if (slot == kNoSlot) return kNoSlot;
   BlockHeader& header = headers_[slot];
+  header.sequence.fetch_add(1, std::memory_order_acq_rel);  // a reader may still hold the slot's former block
   header.key = key;
   header.plane = kNoSlot;
   header.bricks.fill(kNoSlot);
   header.changed_frame = 0;
   header.uniform_level = kUnknownLevel;
+  header.sequence.fetch_add(1, std::memory_order_release);
   table_[place] = slot + 1;
   return slot;
 }
@@ -79,6 +81,7 @@ bool VoxelMap::erase_block(BlockKey key) {
   if (table_[hole] == 0) return false;
   const std::uint32_t slot = table_[hole] - 1;
   BlockHeader& header = headers_[slot];
+  header.sequence.fetch_add(1, std::memory_order_acq_rel);
   if (header.plane != kNoSlot) planes_.give_back(header.plane);
   for (const std::uint32_t brick : header.bricks) {
     if (brick != kNoSlot) bricks_.give_back(brick);
@@ -86,6 +89,7 @@ bool VoxelMap::erase_block(BlockKey key) {
   header.key = kNoKey;
   header.plane = kNoSlot;
   header.bricks.fill(kNoSlot);
+  header.sequence.fetch_add(1, std::memory_order_release);
   headers_.give_back(slot);
   // Linear probing without tombstones: move up every later entry that may not stand behind the hole.
   for (std::uint32_t next = (hole + 1) & table_mask_; table_[next] != 0; next = (next + 1) & table_mask_) {
@@ -246,6 +250,7 @@ __attribute__((no_sanitize("thread"))) bool VoxelMap::copy_block(std::uint32_t s
   for (;;) {
     const std::uint32_t before = sequence.load(std::memory_order_acquire);
     if ((before & 1U) != 0) continue;
+    if (before == 0) return false;  // never handed out
     BlockKey seen_key = 0;
     std::memcpy(&seen_key, &headers_[slot].key, sizeof seen_key);
     const std::uint32_t plane = headers_[slot].plane;
