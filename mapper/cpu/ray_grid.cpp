@@ -98,6 +98,7 @@ void RayGrid::offer(const FrameWork& work) {
   // Weak rays first: where a measured ray passes as well, its mark replaces theirs.
   if (work.ends.counts().invalid > 0) walk(work, false);
   walk(work, true);
+  grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] = 0;  // the spare cell: the next box may reach it
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, 0.0F, 0.0F);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.rgb, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
