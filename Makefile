@@ -59,6 +59,7 @@ TEST_ARGS ?=
 .PHONY: all help unit-tests system-tests test asan tsan fuzz bench soak format lint tidy house clean \
   build-test build-asan build-tsan fuzz-here tsan-tests tsan-run
 .DELETE_ON_ERROR:
+.SECONDARY:
 all: $(EXE) ## the program: build/host/g3dmap, one static executable
 
 help: ## this list

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kRowsPerChunk = 32;
 constexpr int kColumnsPerChunk = 160;
+// Eight pixels are looked at together; behind each row, so that the last look stays out of another thread's rows.
+constexpr int kBlindPadding = 8;
 
 std::uint32_t chunks_of(int count, int size) { return static_cast<std::uint32_t>((count + size - 1) / size); }
 
@@ -27,7 +29,7 @@ RayEnds::RayEnds(const SensorGeometry& sensor, std::span<const std::uint16_t> sc
       row_bound_(sensor.camera.pixel_count()),
       column_state_(sensor.camera.pixel_count()),
       colour_flags_(sensor.camera.pixel_count()),
-      blind_(sensor.camera.pixel_count() + 8),
+      blind_(static_cast<std::size_t>((width_ + kBlindPadding) * height_), 0),
       row_counts_(static_cast<std::size_t>(height_)) {
   for (std::size_t i = 0; i < std::min(scan_mask.size(), mask_.size()); ++i) {
     mask_[i] = std::min(scan_mask[i], sensor.far_raw);
@@ -61,7 +63,7 @@ void RayEnds::classify_rows(int first, int end, const Kernels& kernels) {
     const std::uint16_t* row = depth_ + v * width_;
     row_counts_[static_cast<std::size_t>(v)] = kernels.classify_row(
         {row, v > 0 ? row - width_ : row, v + 1 < height_ ? row + width_ : row, width_, sensor_->near_raw,
-         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_, blind_.data() + v * width_});
+         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_, blind_.data() + v * (width_ + kBlindPadding)});
   }
 }
 
@@ -70,7 +72,7 @@ void RayEnds::bound_by_rows(int first, int end) {
     if (row_counts_[static_cast<std::size_t>(v)].invalid == 0) continue;
     const std::uint16_t* row = depth_ + v * width_;
     std::uint16_t* bound = row_bound_.data() + v * width_;
-    const std::uint8_t* blind = blind_.data() + v * width_;
+    const std::uint8_t* blind = blind_.data() + v * (width_ + kBlindPadding);
     for (int u = next_blind(blind, 0); u < width_;) {
       int run_end = u + 1;
       while (run_end < width_ && row[run_end] == 0) ++run_end;

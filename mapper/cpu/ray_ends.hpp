@@ -61,7 +61,7 @@ class RayEnds {
   std::vector<std::uint16_t> row_bound_;     ///< nearest bounding reading along the row; kUnbounded if none
   std::vector<std::uint16_t> column_state_;  ///< last reading above each pixel
   std::vector<std::uint8_t> colour_flags_;
-  std::vector<std::uint8_t> blind_;  ///< 1 where there is no reading
+  std::vector<std::uint8_t> blind_;  ///< 1 where there is no reading; rows are padded
   std::vector<RowCounts> row_counts_;
   RowCounts counts_;
 };
