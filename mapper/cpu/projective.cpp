@@ -17,11 +17,29 @@ float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& t
 
 ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame, const ProjectiveTuning& tuning) {
   const auto& R = frame.rotation;
-  const float depth_extent = std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]);
+  const float shadow = std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]);
   ProjectiveFrame numbers;
-  numbers.window_px_m = tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m;
-  numbers.bias_m = tuning.bias_voxels * sensor.resolution_m * depth_extent;
+  // A unit cube seen along n covers an area of |nx| + |ny| + |nz|, and rays run through it for one over that on average.
+  numbers.window_px_m = tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m * std::sqrt(shadow);
+  numbers.bias_m = tuning.bias_chords * sensor.resolution_m / shadow;
   numbers.bias_units = numbers.bias_m * sensor.camera.depth_units_per_metre;
+  numbers.far_units = static_cast<float>(sensor.far_raw);
+  numbers.far_bias_units =
+      tuning.far_bias_chords * sensor.resolution_m / shadow * sensor.camera.depth_units_per_metre;
+  const hal::CameraModel& camera = sensor.camera;
+  numbers.left_px = -camera.cx_px;
+  numbers.right_px = static_cast<float>(camera.width_px - 1) - camera.cx_px;
+  numbers.top_px = -camera.cy_px;
+  numbers.bottom_px = static_cast<float>(camera.height_px - 1) - camera.cy_px;
+  // A plane through the camera and an image border has the normal (f, -border); the cube reaches across it by half the
+  // sum of its edges' components along that normal.
+  const float half_m = 0.5F * tuning.border_scale * sensor.resolution_m;
+  const auto reach = [&](std::size_t axis, float f, float border) {
+    return half_m * (std::abs(f * R[axis] - border * R[2]) + std::abs(f * R[3 + axis] - border * R[5]) +
+                     std::abs(f * R[6 + axis] - border * R[8]));
+  };
+  numbers.reach_px_m = {reach(0, camera.fx_px, numbers.left_px), reach(0, camera.fx_px, numbers.right_px),
+                        reach(1, camera.fy_px, numbers.top_px), reach(1, camera.fy_px, numbers.bottom_px)};
   numbers.min_z_units = 0.5F * sensor.resolution_m * sensor.camera.depth_units_per_metre;
   return numbers;
 }
@@ -41,8 +59,10 @@ void Projective::fill_windows(const hal::CameraModel& camera) {
       const float begin = 0.5F - 0.5F * static_cast<float>(m) + static_cast<float>(kImagePadding);
       w.shift_x = (camera.cx_px + 0.5F) * w.cells_per_px + begin;
       w.shift_y = (camera.cy_px + 0.5F) * w.cells_per_px + begin;
-      w.last_x = static_cast<float>(level.width + kImagePadding);
-      w.last_y = static_cast<float>(level.height + kImagePadding);
+      w.first_x = static_cast<float>(kImagePadding + 1 - m);
+      w.first_y = w.first_x;
+      w.last_x = static_cast<float>(level.width + kImagePadding - 1);
+      w.last_y = static_cast<float>(level.height + kImagePadding - 1);
       w.stride = level.stride;
       w.image = images_.image(w.choice);
     }
@@ -82,21 +102,31 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
   brick.metres_per_unit = sensor.metres_per_unit;
   brick.min_z_units = numbers.min_z_units;
   brick.bias_units = numbers.bias_units;
+  brick.far_units = numbers.far_units;
+  brick.far_bias_units = numbers.far_bias_units;
+  brick.left_px = numbers.left_px;
+  brick.right_px = numbers.right_px;
+  brick.top_px = numbers.top_px;
+  brick.bottom_px = numbers.bottom_px;
+  std::copy(numbers.reach_px_m.begin(), numbers.reach_px_m.end(), brick.reach_px_m);
   bool any = false;
   for (int first = 0; first < kBlockVoxels; first += kBrickVoxels) {
     const auto& offset = brick_offset_m_[static_cast<std::size_t>(first / kBrickVoxels)];
     const BlockClass found =
         visible.classify({0, 0, 0, block.x_m + offset[0], block.y_m + offset[1], block.z_m + offset[2]}, 4);
-    if (found != BlockClass::look) {
+    if (found == BlockClass::hidden || found == BlockClass::all_free) {
       std::memset(flags.data() + first, found == BlockClass::all_free ? kWeakFree : 0, kBrickVoxels);
       any |= found == BlockClass::all_free;
       continue;
     }
     const Window& w = window_at(sensor, numbers, brick.z_units + middle_units_[static_cast<std::size_t>(first / kBrickVoxels)]);
     brick.first_place = first;
+    brick.at_border = found == BlockClass::look_at_border;
     brick.scale = w.cells_per_px;
     brick.shift_x = w.shift_x;
     brick.shift_y = w.shift_y;
+    brick.first_x = w.first_x;
+    brick.first_y = w.first_y;
     brick.last_x = w.last_x;
     brick.last_y = w.last_y;
     brick.stride = w.stride;
@@ -115,13 +145,16 @@ bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers
   const float inverse = w.cells_per_px / (z_units * sensor.metres_per_unit);
   const float x = (sensor.camera.fx_px * block.x_m + tables_.x_px_m[place]) * inverse + w.shift_x;
   const float y = (sensor.camera.fy_px * block.y_m + tables_.y_px_m[place]) * inverse + w.shift_y;
-  const int u0 = (static_cast<int>(std::min(std::max(x, 0.0F), w.last_x)) - kImagePadding) << w.choice.level;
-  const int v0 = (static_cast<int>(std::min(std::max(y, 0.0F), w.last_y)) - kImagePadding) << w.choice.level;
+  const int u0 = (static_cast<int>(std::min(std::max(x, w.first_x), w.last_x)) - kImagePadding) * (1 << w.choice.level);
+  const int v0 = (static_cast<int>(std::min(std::max(y, w.first_y), w.last_y)) - kImagePadding) * (1 << w.choice.level);
   const int side = w.choice.window_cells << w.choice.level;
+  const float beyond = z_units + numbers.bias_units;
+  const bool far_counts = z_units + numbers.far_bias_units <= numbers.far_units;
+  const float needed_units = far_counts ? std::min(beyond, numbers.far_units) : beyond;
   for (int v = std::max(v0, 0); v < std::min(v0 + side, sensor.camera.height_px); ++v) {
     for (int u = std::max(u0, 0); u < std::min(u0 + side, sensor.camera.width_px); ++u) {
       const float end_units = static_cast<float>(work.ends.at(u, v));
-      if (end_units >= z_units + numbers.bias_units && work.ends.is_strong(u, v)) return true;
+      if (end_units >= needed_units && work.ends.is_strong(u, v)) return true;
     }
   }
   return false;

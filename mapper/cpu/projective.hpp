@@ -14,8 +14,10 @@ namespace g3d::mapper::cpu {
 
 /// How the projective test imitates exact rays; measured against `dda` (tests/bench/agreement_bench.cpp).
 struct ProjectiveTuning {
-  float window_scale = 1.0F;  ///< side of the window / side of a voxel seen face on
-  float bias_voxels = 0.5F;   ///< how far beyond a voxel's centre a ray must reach, in half depths of the voxel
+  float window_scale = 0.95F;  ///< side of the window / side of a square as large as the voxel's silhouette
+  float border_scale = 1.0F;  ///< share of a voxel's half silhouette that must reach into the image
+  float far_bias_chords = -0.4F;  ///< the same as bias_chords against the ends of far readings, which are no surface
+  float bias_chords = 0.4F;   ///< how far beyond a voxel's centre a ray must reach, in mean chords of the voxel
 };
 
 /// The numbers of one frame's projective test, shared with the plain twin.
@@ -23,6 +25,13 @@ struct ProjectiveFrame {
   float window_px_m;   ///< a voxel at depth z m covers window_px_m / z pixels
   float bias_m;
   float bias_units;
+  float far_units;
+  float far_bias_units;
+  float left_px;  ///< see ProjectBrick
+  float right_px;
+  float top_px;
+  float bottom_px;
+  std::array<float, 4> reach_px_m;
   float min_z_units;   ///< voxels nearer than half a voxel are left alone
 };
 [[nodiscard]] ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
@@ -46,6 +55,8 @@ class Projective final : public FreeSpace {
     float cells_per_px = 1;
     float shift_x = 0;
     float shift_y = 0;
+    float first_x = 0;
+    float first_y = 0;
     float last_x = 0;
     float last_y = 0;
     int stride = 0;

@@ -45,7 +45,7 @@ BlockClass VisibleBlocks::classify(const BlockView& first, int side_cells) const
   const float z_low = z - ez;
   const float z_high = z + ez;
   const float far_m = static_cast<float>(sensor_->far_raw) * sensor_->metres_per_unit;
-  if (z_high <= 0.0F || z_low > far_m + bias_m_) return BlockClass::hidden;
+  if (z_high <= 0.0F || z_low > far_m) return BlockClass::hidden;
 
   const float last_u = static_cast<float>(camera.width_px - 1);
   const float last_v = static_cast<float>(camera.height_px - 1);
@@ -74,10 +74,10 @@ BlockClass VisibleBlocks::classify(const BlockView& first, int side_cells) const
   }
   const DepthPyramid::Range ends = pyramid_->range(u0, v0, u1, v1);
   const float farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
-  if (ends.max == 0 || farthest_m < z_low - std::max(0.0F, -bias_m_)) return BlockClass::hidden;
+  if (ends.max == 0 || farthest_m < z_low) return BlockClass::hidden;
   const float nearest_m = static_cast<float>(ends.min) * sensor_->metres_per_unit;
   if (is_inside && nearest_m > z_high + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit) return BlockClass::all_free;
-  return BlockClass::look;
+  return is_inside ? BlockClass::look : BlockClass::look_at_border;
 }
 
 }  // namespace g3d::mapper::cpu

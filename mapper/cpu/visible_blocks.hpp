@@ -15,6 +15,7 @@ namespace g3d::mapper::cpu {
 enum class BlockClass : std::uint8_t {
   hidden,    ///< no ray reaches any of its voxels
   look,      ///< each voxel has to be looked at
+  look_at_border,  ///< likewise, and some of it may lie outside of the image
   all_free,  ///< rays pass through every voxel
 };
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace g3d::tests {
+namespace g3d::test {
 
 RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, const hal::Pose& T_world_camera, float near_m,
                  float far_m) {
@@ -32,4 +32,4 @@ RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, con
   return list;
 }
 
-}  // namespace g3d::tests
+}  // namespace g3d::test

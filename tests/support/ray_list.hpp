@@ -8,7 +8,7 @@
 
 #include "hal/messages.hpp"
 
-namespace g3d::tests {
+namespace g3d::test {
 
 struct RayList {
   std::array<float, 3> origin_m;
@@ -20,4 +20,4 @@ struct RayList {
 [[nodiscard]] RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, const hal::Pose& T_world_camera,
                                float near_m = 0.8F, float far_m = 3.5F);
 
-}  // namespace g3d::tests
+}  // namespace g3d::test

@@ -19,8 +19,8 @@ bool project_brick(const ProjectBrick& b, std::uint8_t* free) {
     const float z_units = p.z_units + oz[i];
     const float z_m = std::max(z_units, p.min_z_units) * p.metres_per_unit;
     const float inverse = p.scale / z_m;
-    const float x = std::min(std::max((p.x_px_m + ox[i]) * inverse + p.shift_x, 0.0F), p.last_x);
-    const float y = std::min(std::max((p.y_px_m + oy[i]) * inverse + p.shift_y, 0.0F), p.last_y);
+    const float x = std::min(std::max((p.x_px_m + ox[i]) * inverse + p.shift_x, p.first_x), p.last_x);
+    const float y = std::min(std::max((p.y_px_m + oy[i]) * inverse + p.shift_y, p.first_y), p.last_y);
     cell[i] = static_cast<std::int32_t>(y) * p.stride + static_cast<std::int32_t>(x);
     depth_units[i] = z_units;
   }
@@ -32,10 +32,22 @@ bool project_brick(const ProjectBrick& b, std::uint8_t* free) {
   alignas(64) std::int32_t flag[64];
   for (int i = 0; i < 64; ++i) {
     const float z_units = depth_units[i];
-    const bool through = (static_cast<float>(seen[i]) >= z_units + p.bias_units) & (z_units >= p.min_z_units);
+    const float beyond = z_units + p.bias_units;
+    const float needed = z_units + p.far_bias_units <= p.far_units ? std::min(beyond, p.far_units) : beyond;
+    const bool through = (static_cast<float>(seen[i]) >= needed) & (z_units >= p.min_z_units);
     flag[i] = through ? kWeakFree : 0;
-    any |= flag[i];
   }
+  if (p.at_border) {
+    for (int i = 0; i < 64; ++i) {
+      const float z_m = depth_units[i] * p.metres_per_unit;
+      const float x = p.x_px_m + ox[i];
+      const float y = p.y_px_m + oy[i];
+      const bool inside = (x + p.reach_px_m[0] >= p.left_px * z_m) & (x - p.reach_px_m[1] <= p.right_px * z_m) &
+                          (y + p.reach_px_m[2] >= p.top_px * z_m) & (y - p.reach_px_m[3] <= p.bottom_px * z_m);
+      flag[i] = inside ? flag[i] : 0;
+    }
+  }
+  for (int i = 0; i < 64; ++i) any |= flag[i];
   for (int i = 0; i < 64; ++i) out[i] = static_cast<std::uint8_t>(flag[i]);
   return any != 0;
 }

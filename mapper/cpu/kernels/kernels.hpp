@@ -91,8 +91,18 @@ struct ProjectBrick {
   float scale;                ///< 1 / pixels per cell of the footprint image
   float shift_x;              ///< added to the scaled pixel coordinate: half a window, padding, principal point
   float shift_y;
-  float last_x;               ///< largest start cell, as float
+  float first_x;              ///< smallest and largest start cell, as float: the window always meets the image
+  float first_y;
+  float last_x;
   float last_y;
+  bool at_border;             ///< some voxels may lie outside of the image: test the four planes
+  float left_px;              ///< pixel coordinates from the principal point to the centres of the outermost pixels
+  float right_px;
+  float top_px;
+  float bottom_px;
+  float reach_px_m[4];        ///< left, right, top, bottom: how far a voxel reaches across each plane, times f
+  float far_units;            ///< where the rays of far readings end
+  float far_bias_units;       ///< bias against these ends: they are no surface
   int stride;
   const std::uint16_t* image;
 };
