@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// RGBO-codes and the update rules (thesis section 5.8, Algorithm 3, with its darkening average and its lost ties mended).
-// RGBO = R<<24 | G<<16 | B<<8 | O. O is an occupancy level 0..32: 0..15 free, 16 unknown, 17..32 occupied.
+// RGBO-codes and the update rules (thesis section 5.8, Algorithm 3, with its darkening average and its lost ties
+// mended). RGBO = R<<24 | G<<16 | B<<8 | O. O is an occupancy level 0..32: 0..15 free, 16 unknown, 17..32 occupied.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,12 @@ enum class State : std::uint8_t { unknown, free, occupied };
 [[nodiscard]] constexpr State state_of(Rgbo rgbo) { return state_of_level(level_of(rgbo)); }
 [[nodiscard]] constexpr Rgbo make_rgbo(std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t level) {
   return (static_cast<Rgbo>(r) << 24) | (static_cast<Rgbo>(g) << 16) | (static_cast<Rgbo>(b) << 8) | level;
+}
+
+/// What outsiders see of a stored code: spare bits zero, colour only on what is occupied.
+[[nodiscard]] constexpr Rgbo published(Rgbo stored) {
+  const Rgbo level = stored & kLevelMask;
+  return level > kUnknownLevel && (stored & kHasColourBit) != 0 ? (stored & 0xFFFFFF00U) | level : level;
 }
 
 /// How strongly one frame moves a level.

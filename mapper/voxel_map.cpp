@@ -14,13 +14,7 @@ std::uint64_t mix(BlockKey key) {
   return key ^ (key >> 32);
 }
 
-bool is_coloured(Rgbo stored) { return (stored & kHasColourBit) != 0; }
-
-// What outsiders see: spare bits zero, colour only on what is occupied.
-Rgbo published(Rgbo stored) {
-  const Rgbo level = stored & kLevelMask;
-  return level > kUnknownLevel && is_coloured(stored) ? (stored & 0xFFFFFF00U) | level : level;
-}
+constexpr bool is_coloured(Rgbo stored) { return (stored & kHasColourBit) != 0; }
 
 // What a code means to the map: colour counts on occupied voxels alone.
 Rgbo normalised(Rgbo value) {
@@ -175,7 +169,8 @@ void VoxelMap::read_levels(const BlockHeader& header, BlockValues& out) const {
     out.fill(header.uniform_level);
     return;
   }
-  for (int place = 0; place < kBlockVoxels; ++place) out[static_cast<std::size_t>(place)] = stored_value(*this, header, place);
+  for (int place = 0; place < kBlockVoxels; ++place)
+    out[static_cast<std::size_t>(place)] = stored_value(*this, header, place);
 }
 
 bool VoxelMap::read_stored_block(BlockKey key, BlockValues& out) const {

@@ -43,11 +43,11 @@ using BlockValues = std::array<Rgbo, kBlockVoxels>;
 
 struct BlockHeader {
   BlockKey key = 0;
-  std::atomic<std::uint32_t> sequence{0};              ///< odd while the writer is inside
-  std::uint32_t plane = kNoSlot;                       ///< kNoSlot: uniform
+  std::atomic<std::uint32_t> sequence{0};               ///< odd while the writer is inside
+  std::uint32_t plane = kNoSlot;                        ///< kNoSlot: uniform
   std::array<std::uint32_t, kBricksPerBlock> bricks{};  ///< kNoSlot where no voxel of the brick has a colour
-  std::uint32_t changed_frame = 0;                     ///< number of the last frame that changed it (low 32 bits)
-  std::uint8_t uniform_level = kUnknownLevel;          ///< valid when plane == kNoSlot
+  std::uint32_t changed_frame = 0;                      ///< number of the last frame that changed it (low 32 bits)
+  std::uint8_t uniform_level = kUnknownLevel;           ///< valid when plane == kNoSlot
 };
 
 struct MapCounts {
@@ -57,6 +57,7 @@ struct MapCounts {
   std::uint64_t blocks = 0;
   std::uint64_t uniform_blocks = 0;
   [[nodiscard]] std::uint64_t known() const { return occupied + free; }
+  bool operator==(const MapCounts&) const = default;
 };
 
 struct MapMemory {
@@ -83,6 +84,10 @@ class VoxelMap {
   /// Like read_stored_block, from any thread while the writer works: retries until it saw one consistent state.
   bool copy_block(std::uint32_t slot, BlockKey& key, BlockValues& out) const;
   [[nodiscard]] std::uint32_t block_count() const { return headers_.in_use(); }
+  /// What the pools still have to give.
+  [[nodiscard]] MapCapacity available() const {
+    return {headers_.available(), planes_.available(), bricks_.available()};
+  }
   /// Keys of all blocks that hold at least one known voxel, ascending. Allocates: not for the frame loop.
   [[nodiscard]] std::vector<BlockKey> sorted_keys() const;
   [[nodiscard]] MapCounts counts() const;

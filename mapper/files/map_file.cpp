@@ -13,17 +13,27 @@ namespace {
 
 constexpr std::size_t kMaxMapFile_bytes = std::size_t{32} << 30;
 
+template <typename Source>
+hal::Result<SaveReport> save(const Source& source, const MapFileMeta& meta, const std::string& path, int zstd_level) {
+  auto file = hal::AtomicFile::create(path);
+  if (!file) return file.error();
+  const auto report = encode_map(
+      source, meta, [&](ByteSpan bytes) { return file.value().write(bytes); }, zstd_level);
+  if (!report) return report.error();
+  if (const auto done = file.value().commit(); !done) return done.error();
+  return report;
+}
+
 }  // namespace
 
 hal::Result<SaveReport> save_map(const VoxelMap& map, const MapFileMeta& meta, const std::string& path,
                                  int zstd_level) {
-  auto file = hal::AtomicFile::create(path);
-  if (!file) return file.error();
-  const auto report = encode_map(
-      map, meta, [&](ByteSpan bytes) { return file.value().write(bytes); }, zstd_level);
-  if (!report) return report.error();
-  if (const auto done = file.value().commit(); !done) return done.error();
-  return report;
+  return save(map, meta, path, zstd_level);
+}
+
+hal::Result<SaveReport> save_map(const BlockSource& source, const MapFileMeta& meta, const std::string& path,
+                                 int zstd_level) {
+  return save(source, meta, path, zstd_level);
 }
 
 hal::Result<LoadedMap> load_map(const std::string& path, const LoadOptions& options) {

@@ -41,6 +41,57 @@ std::uint32_t stored_crc(ByteSpan header) {
   return crc;
 }
 
+MapInfo describe(const BlockSource& source, const MapFileMeta& meta, const SourceSize& size) {
+  MapInfo info;
+  info.grid = source.grid();
+  info.meta = meta;
+  info.counts = size.counts;
+  info.dense_blocks = size.needed.planes;
+  info.colour_bricks = size.needed.colour_bricks;
+  info.chunks = static_cast<std::uint32_t>((size.counts.blocks + kMaxGroupBlocks - 1) / kMaxGroupBlocks);
+  return info;
+}
+
+/// Header, chunks, index, in this order.
+class MapWriter {
+ public:
+  MapWriter(MapInfo info, const ByteSink& sink, int zstd_level)
+      : info_(std::move(info)), sink_(sink), encoder_(zstd_level), report_{0, info_.counts} {}
+
+  hal::Result<void> begin() {
+    const Bytes header = encode_header(info_);
+    chain_crc(crc_chain_, stored_crc(header));
+    return write(header);
+  }
+  hal::Result<void> chunk(std::span<const BlockKey> keys, const VoxelMap& map) {
+    const ChunkEntry entry{report_.file_bytes, keys.front(), keys.back(), static_cast<std::uint32_t>(keys.size())};
+    const Bytes& payload = encoder_.encode(keys, map);
+    std::uint32_t crc = 0;
+    const Bytes chunk_header = encode_chunk_header(entry, payload, crc);
+    chain_crc(crc_chain_, crc);
+    index_.push_back(entry);
+    if (auto done = write(chunk_header); !done) return done;
+    return write(payload);
+  }
+  hal::Result<SaveReport> end() {
+    if (const auto done = write(encode_index(index_, report_.file_bytes, crc_chain_)); !done) return done.error();
+    return report_;
+  }
+
+ private:
+  hal::Result<void> write(ByteSpan bytes) {
+    report_.file_bytes += bytes.size();
+    return sink_(bytes);
+  }
+
+  MapInfo info_;
+  const ByteSink& sink_;
+  BlockEncoder encoder_;
+  SaveReport report_;
+  std::uint32_t crc_chain_ = 0;
+  std::vector<ChunkEntry> index_;
+};
+
 MapCapacity capacity_of(const MapInfo& info) {
   return {static_cast<std::uint32_t>(std::max<std::uint64_t>(info.counts.blocks, 1)), std::max(info.dense_blocks, 1U),
           std::max(info.colour_bricks, 1U)};
@@ -93,31 +144,48 @@ hal::Result<void> load_chunk(const ChunkView& chunk, BlockDecoder& decoder, Voxe
 
 hal::Result<SaveReport> encode_map(const VoxelMap& map, const MapFileMeta& meta, const ByteSink& sink, int zstd_level) {
   const std::vector<BlockKey> keys = map.sorted_keys();
-  const MapInfo info = describe(map, meta, keys);
-  SaveReport report{0, info.counts};
-  const auto write = [&](ByteSpan bytes) {
-    report.file_bytes += bytes.size();
-    return sink(bytes);
-  };
-  const Bytes header = encode_header(info);
-  if (const auto done = write(header); !done) return done.error();
-  std::uint32_t crc_chain = 0;
-  chain_crc(crc_chain, stored_crc(header));
-  BlockEncoder encoder(zstd_level);
-  std::vector<ChunkEntry> index;
+  MapWriter writer(describe(map, meta, keys), sink, zstd_level);
+  if (const auto done = writer.begin(); !done) return done.error();
   for (std::size_t begin = 0; begin < keys.size(); begin += kMaxGroupBlocks) {
-    const auto group = std::span(keys).subspan(begin, std::min<std::size_t>(kMaxGroupBlocks, keys.size() - begin));
-    const ChunkEntry entry{report.file_bytes, group.front(), group.back(), static_cast<std::uint32_t>(group.size())};
-    const Bytes& payload = encoder.encode(group, map);
-    std::uint32_t crc = 0;
-    const Bytes chunk_header = encode_chunk_header(entry, payload, crc);
-    chain_crc(crc_chain, crc);
-    index.push_back(entry);
-    if (const auto done = write(chunk_header); !done) return done.error();
-    if (const auto done = write(payload); !done) return done.error();
+    const std::size_t count = std::min<std::size_t>(kMaxGroupBlocks, keys.size() - begin);
+    if (const auto done = writer.chunk(std::span(keys).subspan(begin, count), map); !done) return done.error();
   }
-  if (const auto done = write(encode_index(index, report.file_bytes, crc_chain)); !done) return done.error();
-  return report;
+  return writer.end();
+}
+
+// Two passes, as the header counts what follows. The encoder reads from a map: a small one takes a chunk at a time.
+hal::Result<SaveReport> encode_map(const BlockSource& source, const MapFileMeta& meta, const ByteSink& sink,
+                                   int zstd_level) {
+  const auto size = measure(source);
+  if (!size) return size.error();
+  MapWriter writer(describe(source, meta, size.value()), sink, zstd_level);
+  if (const auto done = writer.begin(); !done) return done.error();
+  VoxelMap staged(source.grid(), {kMaxGroupBlocks, kMaxGroupBlocks, kMaxGroupBlocks * kBricksPerBlock});
+  std::vector<BlockKey> keys;
+  const auto flush = [&]() -> hal::Result<void> {
+    if (keys.empty()) return {};
+    auto done = writer.chunk(keys, staged);
+    staged.clear();
+    keys.clear();
+    return done;
+  };
+  SourceSize seen;
+  const auto visited = source.visit_regions([&](std::span<const StoredBlock> blocks) -> hal::Result<void> {
+    for (const StoredBlock& block : blocks) {
+      seen.add(block.values);
+      (void)staged.write_block(block.key, block.values);  // has room for every block of a chunk
+      keys.push_back(block.key);
+      if (keys.size() < kMaxGroupBlocks) continue;
+      if (auto done = flush(); !done) return done;
+    }
+    return {};
+  });
+  if (!visited) return visited.error();
+  if (const auto done = flush(); !done) return done.error();
+  if (!(seen.counts == size.value().counts)) {
+    return Error{Reason::io_error, "a part of the map became unreadable while it was being saved; check the disk"};
+  }
+  return writer.end();
 }
 
 hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name, const LoadOptions& options) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "hal/result.hpp"
+#include "mapper/block_source.hpp"
 #include "mapper/files/block_codec.hpp"
 #include "mapper/files/map_header.hpp"
 
@@ -33,6 +34,9 @@ struct LoadedMap {
 using ByteSink = std::function<hal::Result<void>(ByteSpan)>;
 [[nodiscard]] hal::Result<SaveReport> encode_map(const VoxelMap& map, const MapFileMeta& meta, const ByteSink& sink,
                                                  int zstd_level = kDefaultZstdLevel);
+/// A map that may lie partly elsewhere: a chunk of it at a time is in memory. Errors: those of the source as well.
+[[nodiscard]] hal::Result<SaveReport> encode_map(const BlockSource& source, const MapFileMeta& meta,
+                                                 const ByteSink& sink, int zstd_level = kDefaultZstdLevel);
 /// `name` stands for the file in error texts. Hostile bytes give an error; a map is returned only if everything is
 /// valid.
 [[nodiscard]] hal::Result<LoadedMap> decode_map(ByteSpan bytes, const std::string& name,
