@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The mapper once more, as plainly as it can be said: pixel by pixel and voxel by voxel, without block tests, pyramid,
+// filtered images, vectors or threads. It shares only the grid, the frame's box and the definition of the numbers
+// (float32 formulas, window sizes, bias) with the real one, and must give the same map to the last bit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "mapper/cpu/frame_geometry.hpp"
+#include "mapper/mapper.hpp"
+
+namespace g3d::test {
+
+/// For every pixel the raw depth up to which its ray carves, straight from the comment in ray_ends.hpp.
+[[nodiscard]] std::vector<std::uint16_t> plain_ray_ends(const mapper::cpu::SensorGeometry& sensor,
+                                                        const std::uint16_t* depth, std::span<const std::uint16_t> mask,
+                                                        bool carve_invalid);
+/// May this pixel give its colour? Its four neighbours lie on the same surface.
+[[nodiscard]] bool plain_gives_colour(const hal::CameraModel& camera, const std::uint16_t* depth, int u, int v);
+
+struct PlainHit {
+  bool has_colour = false;
+  std::uint32_t pixel = 0;  ///< valid if has_colour
+};
+using PlainHits = std::map<mapper::MCode, PlainHit>;
+[[nodiscard]] PlainHits plain_hits(const mapper::cpu::SensorGeometry& sensor, const mapper::cpu::FrameGeometry& frame,
+                                   const std::uint16_t* depth);
+
+/// The voxels that a ray passes before it reaches its last, in order. `end_raw`: depth of the end in raw units.
+[[nodiscard]] std::vector<mapper::VoxelIndex> plain_ray(const mapper::cpu::SensorGeometry& sensor,
+                                                        const mapper::cpu::FrameGeometry& frame, int u, int v,
+                                                        std::uint16_t end_raw, mapper::IntegratorKind kind);
+
+/// By which rays a voxel was seen through.
+enum class Seen : std::uint8_t { no, weak, strong };
+using PlainFree = std::unordered_map<mapper::MCode, Seen>;
+[[nodiscard]] PlainFree plain_free(const mapper::cpu::SensorGeometry& sensor, const mapper::cpu::FrameGeometry& frame,
+                                   const std::uint16_t* depth, const std::vector<std::uint16_t>& ends,
+                                   mapper::IntegratorKind kind);
+
+struct PlainVoxel {
+  std::uint8_t level = mapper::kUnknownLevel;
+  bool has_colour = false;
+  std::array<std::uint8_t, 3> rgb{};
+  bool operator==(const PlainVoxel&) const = default;
+};
+/// One frame's evidence on one voxel. `rgb`: the colour that the frame gives it, or nullptr.
+void plain_update(PlainVoxel& voxel, bool hit, Seen seen, const std::uint8_t* rgb, mapper::UpdateSteps steps);
+
+class PlainMapper {
+ public:
+  PlainMapper(const mapper::MapperConfig& config, const hal::CameraModel& camera,
+              std::span<const std::uint16_t> scan_mask = {});
+
+  void integrate(const hal::Frame& frame, const hal::Pose& T_world_camera);
+  [[nodiscard]] std::string hash() const;
+  [[nodiscard]] PlainVoxel at(mapper::MCode code) const;
+  /// The first few voxels in which the map differs, in words; empty if none does.
+  [[nodiscard]] std::string differences(const mapper::VoxelMap& map) const;
+
+ private:
+  using Block = std::array<PlainVoxel, mapper::kBlockVoxels>;  // keeps tests fast; nothing is decided by it
+  PlainVoxel& voxel(mapper::MCode code);
+
+  mapper::MapperConfig config_;
+  mapper::cpu::SensorGeometry sensor_;
+  std::vector<std::uint16_t> mask_;
+  std::map<mapper::BlockKey, Block> blocks_;
+};
+
+}  // namespace g3d::test
