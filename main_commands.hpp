@@ -23,7 +23,8 @@ struct MappingOptions {
   std::optional<std::string> mode;
   std::optional<double> resolution_m;
   std::optional<int> threads;
-  std::optional<int> memory_mb;  ///< what the map may grow to
+  std::optional<int> memory_mb;    ///< what the map may grow to
+  std::optional<double> window_m;  ///< what is farther from the camera is paged out; 0: nothing
   std::string mapper = "auto";
   std::uint64_t seed = 1;
   double rate = 0.0;  ///< 0: lockstep

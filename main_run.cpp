@@ -25,6 +25,7 @@
 #include "mapper/pipeline.hpp"
 #include "mapper/progress_bar.hpp"
 #include "mapper/report.hpp"
+#include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
 #include "mapper/scan_mask.hpp"
 #include "mapper/summary.hpp"
@@ -78,6 +79,7 @@ hal::Result<board::Board> effective_board(const MappingOptions& options) {
   board.map_mode = options.mode.value_or(board.map_mode);
   board.map_threads = options.threads.value_or(board.map_threads);
   board.map_memory_mb = options.memory_mb.value_or(board.map_memory_mb);
+  board.map_window_radius_m = options.window_m.value_or(board.map_window_radius_m);
   return loaded;
 }
 
@@ -120,20 +122,46 @@ mapper::ProgressStyle progress_style(const MappingOptions& options) {
   return isatty(STDERR_FILENO) != 0 ? mapper::ProgressStyle::terminal : mapper::ProgressStyle::plain;
 }
 
-mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::VoxelMap& map, const board::Board& board,
-                              std::uint64_t seed, const std::string& command_line) {
+/// None if the board asks for none.
+hal::Result<std::unique_ptr<mapper::RollingWindow>> make_window(mapper::Mapper& mapper, const hal::CameraModel& camera,
+                                                                const board::Board& board,
+                                                                const MappingOptions& options) {
+  if (board.map_window_radius_m <= 0.0) return std::unique_ptr<mapper::RollingWindow>{};
+  auto file = mapper::create_page_file(options.out_dir);
+  if (!file) return file.error();
+  mapper::WindowConfig config;
+  config.radius_m = board.map_window_radius_m;
+  config.lockstep = options.rate <= 0.0;
+  return std::make_unique<mapper::RollingWindow>(mapper, camera, config, std::move(file).value());
+}
+
+mapper::PagingReport paging_report(mapper::RollingWindow& window) {
+  const mapper::WindowCounts& counts = window.counts();
+  return {.radius_m = window.full_radius_m(),
+          .smallest_radius_m = counts.smallest_radius_m,
+          .regions_out = counts.regions_out,
+          .regions_in = counts.regions_in,
+          .blocks_out = counts.blocks_out,
+          .blocks_in = counts.blocks_in,
+          .regions_on_disk = window.store().region_count(),
+          .late_regions = counts.late_regions,
+          .failed_stores = counts.failed_stores,
+          .failed_loads = counts.failed_loads,
+          .page_file_bytes = window.store().file_bytes()};
+}
+
+/// `whole`: the map, whatever is not in memory included.
+mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::BlockSource& whole,
+                              const board::Board& board, std::uint64_t seed, const std::string& command_line) {
   mapper::RunReport report;
   report.frames = pipeline.frames();
   for (std::size_t i = 0; i < mapper::kStageCount; ++i) {
     const auto stage = static_cast<mapper::Stage>(i);
     report.stages.push_back({to_string(stage), pipeline.times(stage)});
   }
-  const mapper::MapCounts counts = map.counts();
   report.resolution_m = board.map_resolution_m;
-  report.occupied = counts.occupied;
-  report.free = counts.free;
-  report.memory_bytes = map.memory().used_bytes;
-  report.hash = map_hash(map);
+  report.hash = map_hash(whole);
+  report.refused_blocks = pipeline.refused_blocks();
   report.command = command_line;
   report.version = mapper::version();
   report.seed = seed;
@@ -141,8 +169,10 @@ mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::Vo
   report.board = board.name;
   if (pipeline.was_interrupted()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
   if (pipeline.pool_full_frames() > 0) {
-    report.notes.push_back(fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory",
-                                       pipeline.pool_full_frames()));
+    report.notes.push_back(
+        fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory, or keep what is "
+                    "far on disk by --window",
+                    pipeline.pool_full_frames()));
   }
   return report;
 }
@@ -167,7 +197,11 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   hal::RealClock clock;
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
   mapper::RunSink sink(trajectory.value(), bar, clock);
-  mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock, {.rate = options.rate});
+  auto made_window = make_window(mapper, source.camera.model(), board, options);
+  if (!made_window) return fail(made_window.error().text);
+  const std::unique_ptr<mapper::RollingWindow> window = std::move(made_window).value();
+  mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock,
+                            {.rate = options.rate, .window = window.get()});
   catch_stop_signals(pipeline);
   const hal::TimeNs start_ns = clock.now();
   pipeline.run();
@@ -176,8 +210,30 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
 
   std::vector<hal::Error> failures;
   if (const auto finished = sink.finish(); !finished) failures.push_back(finished.error());
-  mapper::RunReport report = make_report(pipeline, mapper.map(), board, options.seed, command_line);
+  const std::uint64_t memory_bytes = mapper.map().memory().used_bytes;
+  std::optional<mapper::PagingReport> paging;
+  std::unique_ptr<mapper::BlockSource> whole = std::make_unique<mapper::MemoryBlocks>(mapper.map());
+  bool is_all_in_memory = true;
+  if (window != nullptr) {
+    window->finish();
+    paging = paging_report(*window);
+    is_all_in_memory = gather(mapper.map(), window->store());
+    whole = std::make_unique<mapper::WindowedBlocks>(mapper.map(), window->store());
+  }
+  mapper::RunReport report = make_report(pipeline, *whole, board, options.seed, command_line);
+  const mapper::MapCounts counts = is_all_in_memory ? mapper.map().counts() : measure(*whole).value().counts;
+  report.occupied = counts.occupied;
+  report.free = counts.free;
+  report.memory_bytes = memory_bytes;
+  report.paging = paging;
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
+  if (window != nullptr && !window->first_error().empty()) report.notes.push_back(window->first_error());
+  if (!is_all_in_memory) {
+    report.notes.push_back(
+        fmt::format("the whole map is larger than {} MB of memory: only map.g3d was written; for the other files, "
+                    "g3dmap export {}/map.g3d --to FILE where there is more memory",
+                    board.map_memory_mb, options.out_dir));
+  }
   if (const std::string error = source.camera.last_error(); !error.empty()) report.notes.push_back(error);
 
   std::vector<hal::Pose> poses;
@@ -188,7 +244,8 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   output_options.trajectory = poses;
   output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
   output_options.meta.steps = mapper.config().steps;
-  nav::Outputs outputs = nav::write_outputs(mapper.map(), output_options, options.out_dir);
+  nav::Outputs outputs = is_all_in_memory ? nav::write_outputs(mapper.map(), output_options, options.out_dir)
+                                          : nav::write_native_output(*whole, output_options, options.out_dir);
   report.file_bytes = outputs.map_file_bytes;
   failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
   const std::string json = to_json(report);

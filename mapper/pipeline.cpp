@@ -5,6 +5,8 @@
 #include <cmath>
 #include <thread>
 
+#include "mapper/rolling_window.hpp"
+
 namespace g3d::mapper {
 namespace {
 
@@ -177,6 +179,7 @@ void Pipeline::integrate(const PosedMessage& message) {
   const hal::Frame& frame = pool_[message.posed.frame_index];
   const hal::TimeNs start_ns = clock_.now();
   MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, {}};
+  if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
   mapped.report = mapper_.integrate(frame, mapped.T_world_camera);
   if (mapped.report.status == FrameStatus::out_of_range) {
     drop(hal::DropReason::out_of_range);
@@ -186,6 +189,7 @@ void Pipeline::integrate(const PosedMessage& message) {
   add_time(Stage::end_to_end, read_at_ns_[message.posed.frame_index]);
   integrated_.fetch_add(1, std::memory_order_relaxed);
   if (mapped.report.status == FrameStatus::pool_full) ++pool_full_frames_;
+  refused_blocks_ += mapped.report.refused_blocks;
   // The writer outlives this thread, so the wait always ends.
   if (!to_writer_.try_push(mapped)) {
     (void)writer_room_parking_.wait([&] { return to_writer_.try_push(mapped); });

@@ -28,6 +28,8 @@
 
 namespace g3d::mapper {
 
+class RollingWindow;
+
 /// One frame that is in the map now.
 struct MappedFrame {
   hal::TimeNs stamp_ns = 0;
@@ -52,8 +54,9 @@ class FrameSink {
 };
 
 struct PipelineConfig {
-  double rate = 0.0;         ///< 0: lockstep. Else real time, the data's clock running this many times as fast
-  int frames_under_way = 4;  ///< 1..64, besides the one that the camera is filling
+  double rate = 0.0;                ///< 0: lockstep. Else real time, the data's clock running this many times as fast
+  int frames_under_way = 4;         ///< 1..64, besides the one that the camera is filling
+  RollingWindow* window = nullptr;  ///< if the map may be larger than memory; its lockstep must be ours
 };
 
 enum class Stage : std::uint8_t {
@@ -85,6 +88,7 @@ class Pipeline {
   [[nodiscard]] const StageTimes& times(Stage stage) const { return times_[static_cast<std::size_t>(stage)]; }
   [[nodiscard]] bool was_interrupted() const { return interrupted_; }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
+  [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
 
  private:
   struct PosedMessage {
@@ -126,6 +130,7 @@ class Pipeline {
   std::optional<hal::TimeNs> schedule_stamp_ns_;                             // camera thread: this stamp was due ...
   hal::TimeNs schedule_start_ns_ = 0;                                        // ... at this time
   std::uint64_t pool_full_frames_ = 0;                                       // mapper thread
+  std::uint64_t refused_blocks_ = 0;                                         // mapper thread
   std::array<StageTimes, kStageCount> times_;                                // each written by its own thread
   std::atomic<std::uint64_t> delivered_{0};                                  // camera thread
   std::atomic<std::uint64_t> integrated_{0};                                 // mapper thread

@@ -31,6 +31,16 @@ void write_stages(JsonWriter& json, const std::vector<NamedStage>& stages) {
   json.end_object();
 }
 
+void write_paging(JsonWriter& json, const PagingReport& paging) {
+  json.key("window").begin_object();
+  json.member("radius_m", paging.radius_m).member("smallest_radius_m", paging.smallest_radius_m);
+  json.member("regions_out", paging.regions_out).member("regions_in", paging.regions_in);
+  json.member("blocks_out", paging.blocks_out).member("blocks_in", paging.blocks_in);
+  json.member("regions_on_disk", paging.regions_on_disk).member("late_regions", paging.late_regions);
+  json.member("failed_stores", paging.failed_stores).member("failed_loads", paging.failed_loads);
+  json.member("page_file_bytes", paging.page_file_bytes).end_object();
+}
+
 }  // namespace
 
 std::uint64_t FrameCounts::dropped_total() const {
@@ -44,7 +54,10 @@ std::string to_json(const RunReport& report) {
   write_stages(json, report.stages);
   json.key("map").begin_object().member("mapper", report.mapper).member("resolution_m", report.resolution_m);
   json.member("occupied", report.occupied).member("free", report.free).member("memory_bytes", report.memory_bytes);
-  json.member("file_bytes", report.file_bytes).member("hash", report.hash).end_object();
+  json.member("file_bytes", report.file_bytes).member("hash", report.hash);
+  json.member("refused_blocks", report.refused_blocks);
+  if (report.paging) write_paging(json, *report.paging);
+  json.end_object();
   json.key("run").begin_object().member("command", report.command).member("version", report.version);
   json.member("seed", report.seed).member("threads", report.threads).member("board", report.board);
   json.key("notes").begin_array();

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,21 @@ struct NamedStage {
   StageTimes times;
 };
 
+/// What the rolling window did.
+struct PagingReport {
+  double radius_m = 0.0;           ///< while memory suffices
+  double smallest_radius_m = 0.0;  ///< to which lack of memory shrank it
+  std::uint64_t regions_out = 0;
+  std::uint64_t regions_in = 0;
+  std::uint64_t blocks_out = 0;
+  std::uint64_t blocks_in = 0;
+  std::uint64_t regions_on_disk = 0;  ///< at the end
+  std::uint64_t late_regions = 0;     ///< seen before they were back, then merged
+  std::uint64_t failed_stores = 0;    ///< those regions stayed in memory
+  std::uint64_t failed_loads = 0;     ///< those regions are lost
+  std::uint64_t page_file_bytes = 0;
+};
+
 struct RunReport {
   FrameCounts frames;
   std::vector<NamedStage> stages;
@@ -38,6 +54,8 @@ struct RunReport {
   std::uint64_t occupied = 0;
   std::uint64_t free = 0;
   std::uint64_t memory_bytes = 0;
+  std::uint64_t refused_blocks = 0;  ///< for lack of memory, summed over the frames
+  std::optional<PagingReport> paging;
   std::uint64_t file_bytes = 0;  ///< of map.g3d
   std::string hash;
 

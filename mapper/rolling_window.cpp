@@ -4,19 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapper/block_merge.hpp"
-
 namespace g3d::mapper {
 namespace {
 
 constexpr double kAheadMargin_m = 1.0;  // how much farther than the sensor reaches regions are fetched
 constexpr int kRetryFrames = 30;        // after a failed store: the disk may have room again
 constexpr std::uint32_t kBuffersForLoads = 2;
-
-bool fits(const MapCapacity& wanted, const MapCapacity& available) {
-  return wanted.blocks <= available.blocks && wanted.planes <= available.planes &&
-         wanted.colour_bricks <= available.colour_bricks;
-}
 
 MapCapacity operator+(const MapCapacity& a, const MapCapacity& b) {
   return {a.blocks + b.blocks, a.planes + b.planes, a.colour_bricks + b.colour_bricks};
@@ -86,6 +79,10 @@ RollingWindow::RollingWindow(Mapper& mapper, const hal::CameraModel& camera, con
 
 double RollingWindow::radius_m() const {
   return static_cast<double>(radius_cells_) * static_cast<double>(map_.grid().resolution_m);
+}
+
+double RollingWindow::full_radius_m() const {
+  return static_cast<double>(full_radius_cells_) * static_cast<double>(map_.grid().resolution_m);
 }
 
 void RollingWindow::prepare(const hal::Pose& T_world_camera) {
@@ -356,16 +353,7 @@ void RollingWindow::on_loaded(std::uint32_t index, bool ok) {
     pager_.release(index);
     return;
   }
-  BlockValues merged;
-  for (const StoredBlock& block : buffer.filled()) {
-    if (map_.find(block.key) == kNoSlot) {
-      (void)map_.write_block(block.key, block.values);  // there is room: the record said how much it needs
-      continue;
-    }
-    map_.read_stored_block(block.key, merged);
-    merge_into(merged, block.values);
-    (void)map_.write_block(block.key, merged);
-  }
+  add_blocks(map_, buffer.filled());
   ++counts_.regions_in;
   counts_.blocks_in += buffer.count;
   --on_disk_count_;

@@ -62,7 +62,8 @@ class RollingWindow {
   [[nodiscard]] PageStore& store() { return pager_.store(); }
   /// What went wrong first on the disk; empty if nothing did.
   [[nodiscard]] const std::string& first_error() const { return pager_.first_error(); }
-  [[nodiscard]] double radius_m() const;  ///< as it is now
+  [[nodiscard]] double radius_m() const;       ///< as it is now
+  [[nodiscard]] double full_radius_m() const;  ///< while memory suffices
 
  private:
   struct Target {

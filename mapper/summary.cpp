@@ -53,6 +53,12 @@ std::string summary_text(const RunReport& report, double run_s, const std::vecto
   text += fmt::format("map        {} occupied and {} free voxels of {:g} cm, {} of memory\n",
                       readable_count(report.occupied), readable_count(report.free), report.resolution_m * 100.0,
                       readable_bytes(report.memory_bytes));
+  if (report.paging) {
+    const PagingReport& paging = *report.paging;
+    text += fmt::format("window     {:g} m, {} regions went to disk and {} came back, {} were there at the end, {}\n",
+                        paging.radius_m, readable_count(paging.regions_out), readable_count(paging.regions_in),
+                        readable_count(paging.regions_on_disk), readable_bytes(paging.page_file_bytes));
+  }
   for (const std::string& note : report.notes) text += fmt::format("note       {}\n", note);
   std::size_t width = 0;
   for (const WrittenFile& file : files) width = std::max(width, file.path.size());

@@ -30,6 +30,10 @@ struct MapCapacity {
   std::uint32_t colour_bricks = 1U << 17;
 };
 [[nodiscard]] MapCapacity capacity_for_bytes(std::size_t budget_bytes);
+[[nodiscard]] constexpr bool fits(const MapCapacity& wanted, const MapCapacity& available) {
+  return wanted.blocks <= available.blocks && wanted.planes <= available.planes &&
+         wanted.colour_bricks <= available.colour_bricks;
+}
 
 inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFU;
 inline constexpr int kBricksPerBlock = 8;

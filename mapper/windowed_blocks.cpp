@@ -2,6 +2,7 @@
 #include "mapper/windowed_blocks.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "mapper/block_merge.hpp"
 
@@ -41,6 +42,35 @@ hal::Result<void> WindowedBlocks::visit_regions(const Visit& visit) const {
     if (const auto done = visit(std::span<const StoredBlock>(all).first(known)); !done) return done;
   }
   return {};
+}
+
+void add_blocks(VoxelMap& map, std::span<const StoredBlock> blocks) {
+  BlockValues merged;
+  for (const StoredBlock& block : blocks) {
+    bool written = false;
+    if (map.find(block.key) == kNoSlot) {
+      written = map.write_block(block.key, block.values);
+    } else {
+      map.read_stored_block(block.key, merged);
+      merge_into(merged, block.values);
+      written = map.write_block(block.key, merged);
+    }
+    assert(written && "the caller looked for room");
+    (void)written;
+  }
+}
+
+bool gather(VoxelMap& map, PageStore& store) {
+  const auto size = measure(WindowedBlocks(map, store));
+  if (!size.ok() || !fits(size.value().needed, map.capacity())) return false;
+  for (const RegionKey region : store.sorted_regions()) {
+    const auto blocks = store.get(region);
+    if (!blocks.ok()) continue;
+    if (!fits(store.find(region)->needed(), map.available())) return false;
+    add_blocks(map, blocks.value());
+    store.drop(region);
+  }
+  return true;
 }
 
 }  // namespace g3d::mapper

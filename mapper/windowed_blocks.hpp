@@ -28,4 +28,12 @@ class WindowedBlocks final : public BlockSource {
   mutable std::string first_error_;
 };
 
+/// Brings everything back into memory, if the map's pools can hold it: true. Else what fits has moved, and the whole is
+/// still what it was. Records that cannot be read stay in the store.
+[[nodiscard]] bool gather(VoxelMap& map, PageStore& store);
+
+/// Writes blocks of a region that is elsewhere into the map; what is known there already is merged. The map needs room
+/// for all of them.
+void add_blocks(VoxelMap& map, std::span<const StoredBlock> blocks);
+
 }  // namespace g3d::mapper

@@ -94,4 +94,17 @@ Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options,
   return outputs;
 }
 
+Outputs write_native_output(const mapper::BlockSource& whole, const OutputOptions& options, const std::string& folder) {
+  Outputs outputs;
+  const std::string path = folder + "/map.g3d";
+  const auto saved = save_map(whole, options.meta, path);
+  if (!saved) {
+    outputs.failures.push_back(saved.error());
+    return outputs;
+  }
+  outputs.map_file_bytes = saved.value().file_bytes;
+  outputs.files.push_back({path, kFormats[0].what, saved.value().file_bytes});
+  return outputs;
+}
+
 }  // namespace g3d::nav

@@ -8,6 +8,7 @@
 
 #include "hal/geometry.hpp"
 #include "hal/result.hpp"
+#include "mapper/block_source.hpp"
 #include "mapper/files/map_header.hpp"
 #include "mapper/summary.hpp"
 #include "mapper/voxel_map.hpp"
@@ -36,5 +37,9 @@ struct Outputs {
 /// stop the rest.
 [[nodiscard]] Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options,
                                     const std::string& folder);
+
+/// Only map.g3d, of a map that is too large for memory: the other formats need it in memory as a whole.
+[[nodiscard]] Outputs write_native_output(const mapper::BlockSource& whole, const OutputOptions& options,
+                                          const std::string& folder);
 
 }  // namespace g3d::nav
