@@ -10,6 +10,7 @@ namespace g3d::mapper {
 namespace {
 
 double rounded_us(double us) { return std::round(us * 10.0) / 10.0; }
+double rounded_mm(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 
 void write_frames(JsonWriter& json, const FrameCounts& frames) {
   json.key("frames").begin_object().member("delivered", frames.delivered).member("integrated", frames.integrated);
@@ -33,7 +34,8 @@ void write_stages(JsonWriter& json, const std::vector<NamedStage>& stages) {
 
 void write_paging(JsonWriter& json, const PagingReport& paging) {
   json.key("window").begin_object();
-  json.member("radius_m", paging.radius_m).member("smallest_radius_m", paging.smallest_radius_m);
+  json.member("radius_m", rounded_mm(paging.radius_m))
+      .member("smallest_radius_m", rounded_mm(paging.smallest_radius_m));
   json.member("regions_out", paging.regions_out).member("regions_in", paging.regions_in);
   json.member("blocks_out", paging.blocks_out).member("blocks_in", paging.blocks_in);
   json.member("regions_on_disk", paging.regions_on_disk).member("late_regions", paging.late_regions);
