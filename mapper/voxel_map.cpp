@@ -24,7 +24,8 @@ Rgbo normalised(Rgbo value) {
   return coloured ? (value & 0xFFFFFF00U) | kHasColourBit | level : level;
 }
 
-std::uint32_t table_size(std::uint32_t blocks) { return std::bit_ceil(std::max<std::uint32_t>(blocks, 8U)) * 2U; }
+// At most three quarters full when every block is in use: linear probing stays short.
+std::uint32_t table_size(std::uint32_t blocks) { return std::bit_ceil(std::max<std::uint32_t>(blocks + blocks / 3U, 16U)); }
 
 }  // namespace
 

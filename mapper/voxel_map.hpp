@@ -132,7 +132,7 @@ class VoxelMap {
   Grid grid_;
   MapCapacity capacity_;
   std::uint32_t table_mask_ = 0;
-  ReservedArray<std::uint32_t> table_;  ///< slot + 1, 0 = empty; linear probing, load at most one half
+  ReservedArray<std::uint32_t> table_;  ///< slot + 1, 0 = empty; linear probing, at most three quarters full
   SlotPool<BlockHeader> headers_;
   SlotPool<LevelPlane> planes_;
   SlotPool<ColourBrick> bricks_;

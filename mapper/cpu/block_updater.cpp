@@ -35,10 +35,10 @@ BlockUpdater::BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSt
       lanes_(most_chunks_),
       changed_(rounded_box_blocks(sensor)) {}
 
-void BlockUpdater::begin(const FrameGeometry& frame, const std::uint8_t* rgb, const Kernels& kernels,
-                         std::uint32_t frame_number, std::uint32_t chunks, std::uint32_t blocks_per_chunk) {
+void BlockUpdater::begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels, std::uint32_t frame_number,
+                         std::uint32_t chunks, std::uint32_t blocks_per_chunk) {
   frame_ = &frame;
-  rgb_ = rgb;
+  with_colour_ = with_colour;
   kernels_ = &kernels;
   frame_number_ = frame_number;
   chunks_ = chunks;
@@ -77,7 +77,7 @@ void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot,
   if (slot != kNoSlot) {
     const BlockHeader& header = map_->header(slot);
     if (hits == nullptr && is_settled(slot)) return;
-    if (header.plane != kNoSlot && (hits == nullptr || rgb_ == nullptr || bricks_missing(header, *hits) == 0)) {
+    if (header.plane != kNoSlot && (hits == nullptr || !with_colour_ || bricks_missing(header, *hits) == 0)) {
       apply_dense(chunk, slot, flags != nullptr ? flags->data() : nullptr, hits);
       return;
     }
@@ -115,7 +115,7 @@ void BlockUpdater::apply_dense(std::uint32_t chunk, std::uint32_t slot, const st
   const ApplyResult result =
       kernels_->apply_block({levels.data(), hits != nullptr ? hits->flags.data() : nullptr, flags, steps_});
   bool changed = result.changed;
-  if (hits != nullptr && rgb_ != nullptr) changed |= apply_colours(header, levels, *hits);
+  if (hits != nullptr && with_colour_) changed |= apply_colours(header, levels, *hits);
   if (changed) header.changed_frame = frame_number_;
   header.sequence.fetch_add(1, std::memory_order_release);
   const std::size_t lane = static_cast<std::size_t>(chunk) * per_chunk_;
@@ -133,11 +133,12 @@ bool BlockUpdater::apply_colours(BlockHeader& header, LevelPlane& levels, const 
       if ((hits.flags[place] & kColourFlag) == 0 || (levels[place] & kLevelMask) <= kUnknownLevel) continue;
       const std::uint32_t brick = header.bricks[place / kBrickVoxels];
       if (brick == kNoSlot) continue;  // the colour pool is full: the level counts all the same
-      const std::uint8_t* fresh = rgb_ + 3 * static_cast<std::size_t>(hits.pixel[place]);
+      const std::uint32_t fresh = hits.rgb[place];
       std::uint8_t* colour = map_->brick(brick).data() + 3 * (place % kBrickVoxels);
       const bool had_colour = (levels[place] & kHasColourBit) != 0;
       for (int channel = 0; channel < 3; ++channel) {
-        const std::uint8_t next = had_colour ? blend_channel(colour[channel], fresh[channel]) : fresh[channel];
+        const auto seen = static_cast<std::uint8_t>(fresh >> (8 * channel));
+        const std::uint8_t next = had_colour ? blend_channel(colour[channel], seen) : seen;
         changed |= next != colour[channel];
         colour[channel] = next;
       }
@@ -157,7 +158,7 @@ bool BlockUpdater::hand_out(Waiting& waiting) {
   header.sequence.fetch_add(1, std::memory_order_acq_rel);
   const bool dense = map_->make_dense(header);
   bool all_bricks = true;
-  if (dense && waiting.hits != nullptr && rgb_ != nullptr) {
+  if (dense && waiting.hits != nullptr && with_colour_) {
     const std::uint8_t missing = bricks_missing(header, *waiting.hits);
     for (int b = 0; b < kBricksPerBlock; ++b) {
       if (((missing >> b) & 1U) != 0) all_bricks &= map_->make_brick(header, b);

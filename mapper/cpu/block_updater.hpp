@@ -25,8 +25,8 @@ class BlockUpdater {
  public:
   BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSteps steps);
 
-  /// `rgb`: colour image of the frame, or nullptr. `chunks` lanes of at most `blocks_per_chunk` blocks will be offered.
-  void begin(const FrameGeometry& frame, const std::uint8_t* rgb, const Kernels& kernels, std::uint32_t frame_number,
+  /// `chunks` lanes of at most `blocks_per_chunk` blocks will be offered.
+  void begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels, std::uint32_t frame_number,
              std::uint32_t chunks, std::uint32_t blocks_per_chunk);
 
   /// Slot of a block if it is remembered from a recent frame, else kNoSlot. A camera sees the same blocks again and
@@ -154,7 +154,7 @@ class BlockUpdater {
   VoxelMap* map_;
   UpdateSteps steps_;
   const FrameGeometry* frame_ = nullptr;
-  const std::uint8_t* rgb_ = nullptr;
+  bool with_colour_ = false;
   const Kernels* kernels_ = nullptr;
   std::uint32_t frame_number_ = 0;
   std::uint32_t chunks_ = 0;

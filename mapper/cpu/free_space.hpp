@@ -21,7 +21,7 @@ struct FrameWork {
   BlockUpdater& updater;
   const Kernels& kernels;
   ThreadPool& pool;
-  const std::uint8_t* rgb;
+  bool with_colour;
   std::uint32_t frame_number;
 };
 

@@ -20,7 +20,7 @@ std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t 
 HitScatter::HitScatter(const SensorGeometry& sensor)
     : sensor_(&sensor),
       chunks_((sensor.camera.height_px + kRowsPerChunk - 1) / kRowsPerChunk),
-      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px)),
+      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px) + 1),  // one to write in vain
       runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
       record_of_block_(sensor.max_box_blocks()),
@@ -34,13 +34,15 @@ void HitScatter::clear() {
   shard_counts_.fill(0);
 }
 
-void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
+void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
+                         ThreadPool& pool) {
   pool.parallel_for(static_cast<std::uint32_t>(chunks_),
-                    [&](std::uint32_t chunk) { cut_rows(static_cast<int>(chunk), frame, ends, kernels); });
+                    [&](std::uint32_t chunk) { cut_rows(static_cast<int>(chunk), frame, ends, rgb, kernels); });
   pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard)); });
 }
 
-void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels) {
+void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+                          const Kernels& kernels) {
   const int width = sensor_->camera.width_px;
   const int first = chunk * kRowsPerChunk;
   const int last = std::min(first + kRowsPerChunk, sensor_->camera.height_px);
@@ -50,7 +52,8 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
   const auto lists = next;
   const auto& R = frame.rotation;
 
-  std::array<std::uint8_t, hal::kMaxImageSide_px + 8> starts{};
+  std::array<std::uint8_t, hal::kMaxImageSide_px + 64> starts;
+  std::fill(starts.begin() + width, starts.begin() + width + 64, std::uint8_t{0});  // nothing begins beyond the row
   alignas(64) std::array<std::uint32_t, hal::kMaxImageSide_px> block_ids;
   alignas(64) std::array<std::uint16_t, hal::kMaxImageSide_px> places;
   UnprojectRow row{};
@@ -76,35 +79,40 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
     row.depth = ends.depth() + offset;
     row.block_id = block_ids.data();
     row.place = places.data();
+    row.colour_flag = ends.colour_flags() + offset;
     row.starts = starts.data();
     kernels.unproject_row(row);
-    cut_row(row, ends.colour_flags() + offset, static_cast<std::uint32_t>(offset), next);
+    cut_row(row, rgb != nullptr ? rgb + 3 * offset : nullptr, next);
   }
   for (std::size_t s = 0; s < kShards; ++s) run_counts_[list + s] = static_cast<std::uint32_t>(next[s] - lists[s]);
 }
 
-// Runs begin where `starts` says so; eight pixels without a start are skipped at once.
-void HitScatter::cut_row(const UnprojectRow& row, const std::uint8_t* eligible, std::uint32_t first_pixel,
-                         std::array<Run*, kShards>& next) {
+// Runs begin where `starts` says so, 64 pixels to a word of bits; hardly a branch depends on the image.
+void HitScatter::cut_row(const UnprojectRow& row, const std::uint8_t* rgb, std::array<Run*, kShards>& next) {
   int begin = 0;
   const auto close = [&](int end) {
     const std::uint32_t id = row.block_id[begin];
-    if (id != kNoBlock) {
-      int chosen = begin;
-      while (chosen < end && eligible[chosen] == 0) ++chosen;
-      const bool coloured = chosen < end;
-      *next[id % kShards]++ = {id, first_pixel + static_cast<std::uint32_t>(coloured ? chosen : begin), row.place[begin],
-                               static_cast<std::uint8_t>(coloured ? kHitFlag | kColourFlag : kHitFlag)};
+    std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
+    if (rgb != nullptr) {
+      const std::uint8_t* colour = rgb + 3 * begin;
+      rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 | static_cast<std::uint32_t>(colour[0]) |
+                   static_cast<std::uint32_t>(colour[1]) << 8 | static_cast<std::uint32_t>(colour[2]) << 16;
     }
+    Run*& run = next[id % kShards];
+    *run = {id, rgb_flags, row.place[begin]};
+    run += id != kNoBlock ? 1 : 0;
     begin = end;
   };
-  for (int u = 0; u < row.width; u += 8) {
-    std::uint64_t eight;
-    std::memcpy(&eight, row.starts + u, sizeof eight);
-    for (; eight != 0; eight &= eight - 1) {
-      const int start = u + std::countr_zero(eight) / 8;
-      if (start > begin && start < row.width) close(start);
+  for (int u = 0; u < row.width; u += 64) {
+    std::uint64_t bits = 0;
+    for (int byte = 0; byte < 8; ++byte) {
+      std::uint64_t eight;
+      std::memcpy(&eight, row.starts + u + 8 * byte, sizeof eight);
+      // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i by one of the factor's bits.
+      bits |= ((eight * 0x0102040810204080ULL) >> 56) << (8 * byte);
     }
+    if (u == 0) bits &= ~std::uint64_t{1};
+    for (; bits != 0; bits &= bits - 1) close(u + std::countr_zero(bits));
   }
   close(row.width);
 }
@@ -131,11 +139,11 @@ void HitScatter::scatter_shard(int shard) {
         }
         record = &records_[index - 1];
       }
-      // Where no colour is known yet the pixel is a proposal that counts only once the flag says so.
+      // Where no colour is known yet the run's is a proposal that counts only once the flag says so.
       const std::uint8_t old_flags = record->flags[run->place];
-      std::uint32_t& pixel = record->pixel[run->place];
-      pixel = (old_flags & kColourFlag) != 0 ? pixel : run->pixel;
-      record->flags[run->place] = old_flags | run->flags;
+      std::uint32_t& colour = record->rgb[run->place];
+      colour = (old_flags & kColourFlag) != 0 ? colour : run->rgb_flags;
+      record->flags[run->place] = static_cast<std::uint8_t>(old_flags | (run->rgb_flags >> 24));
     }
   }
 }

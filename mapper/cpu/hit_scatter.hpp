@@ -22,7 +22,8 @@ struct HitRecord {
   std::uint32_t block_id;                              ///< in the frame's box
   std::uint32_t consumed;                              ///< set by the integrator when it has applied the record
   alignas(64) std::array<std::uint8_t, 512> flags;     ///< kHitFlag, kColourFlag by place
-  std::array<std::uint32_t, 512> pixel;                ///< valid where kColourFlag is set: lowest pixel index
+  std::array<std::uint32_t, 512> rgb;                  ///< R | G << 8 | B << 16 of the lowest pixel index that may colour
+                                                       ///< the voxel; valid where kColourFlag is set
 };
 
 class HitScatter {
@@ -31,7 +32,9 @@ class HitScatter {
 
   explicit HitScatter(const SensorGeometry& sensor);
 
-  void compute(const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels, ThreadPool& pool);
+  /// `rgb`: colour image, or nullptr.
+  void compute(const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
+               ThreadPool& pool);
   /// Forgets the records of the last frame; must precede the next compute().
   void clear();
 
@@ -49,16 +52,16 @@ class HitScatter {
   [[nodiscard]] HitRecord& record(std::uint32_t index) { return records_[index]; }
 
  private:
-  /// Consecutive pixels of a row that fall into one voxel.
+  /// Consecutive pixels of a row that fall into one voxel and all may, or all may not, give their colour. It is
+  /// fetched here, while the row is at hand.
   struct Run {
     std::uint32_t block_id;
-    std::uint32_t pixel;   ///< first pixel that may give its colour, else the first of all
-    std::uint16_t place;
-    std::uint8_t flags;
+    std::uint32_t rgb_flags;  ///< colour of the first pixel, flags in the highest byte
+    std::uint32_t place;
   };
-  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const Kernels& kernels);
-  static void cut_row(const UnprojectRow& row, const std::uint8_t* eligible, std::uint32_t first_pixel,
-                      std::array<Run*, kShards>& next);
+  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+                const Kernels& kernels);
+  static void cut_row(const UnprojectRow& row, const std::uint8_t* rgb, std::array<Run*, kShards>& next);
   void scatter_shard(int shard);
 
   const SensorGeometry* sensor_;

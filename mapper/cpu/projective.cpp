@@ -167,7 +167,7 @@ void Projective::offer(const FrameWork& work) {
   const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.rgb, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
+  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
     BlockKey key = 0;
     std::uint32_t slot = kNoSlot;

@@ -101,7 +101,7 @@ void RayGrid::offer(const FrameWork& work) {
   grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] = 0;  // the spare cell: the next box may reach it
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, 0.0F, 0.0F);
   const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.rgb, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
+  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
   const auto every = [](int, int, int) { return true; };  // even where nothing can change the marks must be wiped
   const auto known = [](int) { return false; };  // rays already say which marks are strong
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {

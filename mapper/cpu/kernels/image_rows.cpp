@@ -116,10 +116,12 @@ void unproject_row(const UnprojectRow& row) {
     place[u] = static_cast<std::uint16_t>(spread_three_bits(kx & 7) | (spread_three_bits(ky & 7) << 1) |
                                           (spread_three_bits(kz & 7) << 2));
   }
+  const std::uint8_t* __restrict colour_flag = row.colour_flag;
   std::uint8_t* __restrict starts = row.starts;
   starts[0] = 1;
   for (int u = 1; u < r.width; ++u) {
-    starts[u] = static_cast<std::uint8_t>((block_id[u] != block_id[u - 1]) | (place[u] != place[u - 1]));
+    starts[u] = static_cast<std::uint8_t>((block_id[u] != block_id[u - 1]) | (place[u] != place[u - 1]) |
+                                          (colour_flag[u] != colour_flag[u - 1]));
   }
 }
 

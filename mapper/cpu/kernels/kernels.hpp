@@ -54,7 +54,8 @@ struct UnprojectRow {
   std::int32_t nxy_blocks;
   std::uint32_t* block_id;  ///< out: block in the frame's box, kNoBlock without a trusted reading
   std::uint16_t* place;     ///< out: M & 511
-  std::uint8_t* starts;     ///< out: 1 where the voxel differs from that of the pixel before
+  const std::uint8_t* colour_flag;  ///< from ClassifyRow
+  std::uint8_t* starts;     ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
 };
 
 inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the invalid run on that side
