@@ -35,6 +35,7 @@ TEST_CASE("the report has the members that readers rely on", "[mapper][report]")
   report.memory_bytes = 33;
   report.file_bytes = 44;
   report.hash = "ab12";
+  report.refused_blocks = 6;
   report.command = "g3dmap replay \"my log\"";
   report.version = "v1";
   report.seed = 5;
@@ -50,8 +51,29 @@ TEST_CASE("the report has the members that readers rely on", "[mapper][report]")
   CHECK(contains(
       json,
       "\"map\": {\n    \"mapper\": \"cpu\",\n    \"resolution_m\": 0.05,\n    \"occupied\": 11,\n    \"free\": 22,\n"
-      "    \"memory_bytes\": 33,\n    \"file_bytes\": 44,\n    \"hash\": \"ab12\"\n  }"));
+      "    \"memory_bytes\": 33,\n    \"file_bytes\": 44,\n    \"hash\": \"ab12\",\n    \"refused_blocks\": 6\n  }"));
   CHECK(contains(json, R"("command": "g3dmap replay \"my log\"")"));
   CHECK(contains(json, "\"version\": \"v1\",\n    \"seed\": 5,\n    \"threads\": 2,\n    \"board\": \"laptop\""));
   CHECK(contains(json, "\"interrupted\"\n    ]"));
+}
+
+TEST_CASE("what was paged out stands in the report only if there was a window", "[mapper][report]") {
+  RunReport report;
+  CHECK_FALSE(contains(to_json(report), "regions_out"));
+  report.paging = mapper::PagingReport{.radius_m = 12.3456,
+                                       .smallest_radius_m = 8.0,
+                                       .regions_out = 5,
+                                       .regions_in = 4,
+                                       .blocks_out = 500,
+                                       .blocks_in = 400,
+                                       .regions_on_disk = 1,
+                                       .late_regions = 2,
+                                       .failed_stores = 3,
+                                       .failed_loads = 6,
+                                       .page_file_bytes = 777};
+  CHECK(contains(to_json(report),
+                 "\"window\": {\n      \"radius_m\": 12.346,\n      \"smallest_radius_m\": 8,\n"
+                 "      \"regions_out\": 5,\n      \"regions_in\": 4,\n      \"blocks_out\": 500,\n"
+                 "      \"blocks_in\": 400,\n      \"regions_on_disk\": 1,\n      \"late_regions\": 2,\n"
+                 "      \"failed_stores\": 3,\n      \"failed_loads\": 6,\n      \"page_file_bytes\": 777\n"));
 }

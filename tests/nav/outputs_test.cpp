@@ -56,3 +56,23 @@ TEST_CASE("an unknown ending is refused and names those that are known", "[nav][
   CHECK(written.error().text.find("map.doc") != std::string::npos);
   CHECK(written.error().text.find(".ply") != std::string::npos);
 }
+
+TEST_CASE("of a map that is larger than memory the native file is written", "[nav][outputs]") {
+  const test::TempFolder folder;
+  const auto map = tests::furnished_room(0.1F);
+  const nav::Outputs outputs = nav::write_native_output(mapper::MemoryBlocks(*map), {}, folder.path());
+  CHECK(outputs.failures.empty());
+  REQUIRE(outputs.files.size() == 1);
+  CHECK(outputs.files[0].path == folder / "map.g3d");
+  CHECK(outputs.map_file_bytes == std::filesystem::file_size(folder / "map.g3d"));
+  CHECK(outputs.files[0].bytes == outputs.map_file_bytes);
+  const auto read = mapper::read_any_map(folder / "map.g3d");
+  REQUIRE(read.ok());
+  CHECK(tests::same_map(*read.value().map, *map));
+
+  const nav::Outputs failed =
+      nav::write_native_output(mapper::MemoryBlocks(*map), {}, folder.path() + "/no_such_folder");
+  CHECK(failed.failures.size() == 1);
+  CHECK(failed.files.empty());
+  CHECK(failed.map_file_bytes == 0);
+}

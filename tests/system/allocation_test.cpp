@@ -10,7 +10,9 @@
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/sim_camera.hpp"
 #include "mapper/pipeline.hpp"
+#include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
+#include "tests/support/corridor_walk.hpp"
 #include "tests/support/log_folder.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -18,8 +20,10 @@ namespace {
 std::atomic<bool> armed{false};
 std::atomic<std::uint64_t> allocations{0};
 
+thread_local bool this_thread_armed = false;
+
 void count_one() {
-  if (armed.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+  if (this_thread_armed || armed.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
 }
 }  // namespace
 
@@ -121,4 +125,29 @@ TEST_CASE("mapping a recording with PNG images allocates nothing after the start
   REQUIRE(camera.ok());
   REQUIRE(poses.ok());
   CHECK(count_allocations(*camera.value(), *poses.value(), 3, 30, 1) == 0);
+}
+
+TEST_CASE("a rolling window allocates nothing in the mapper's thread", "[system][allocation][window]") {
+  const bool lockstep = GENERATE(true, false);
+  const test::TempFolder folder;
+  const tests::CorridorWalk walk;
+  mapper::MapperConfig config;
+  mapper::Mapper mapper(config, walk.camera());
+  auto file = mapper::create_page_file(folder.path());
+  REQUIRE(file.ok());
+  mapper::RollingWindow window(mapper, walk.camera(), {.radius_m = 0.0, .lockstep = lockstep}, std::move(file).value());
+  hal::Frame frame = hal::make_frame(walk.camera());
+  allocations.store(0);
+  for (int i = 0; i < 700; ++i) {
+    const hal::Pose pose = walk.pose(i);
+    walk.draw(pose, frame);
+    this_thread_armed = true;
+    window.prepare(pose);
+    (void)mapper.integrate(frame, pose);
+    this_thread_armed = false;
+  }
+  CHECK(allocations.load() == 0);
+  window.finish();
+  CHECK(window.counts().regions_out > 10);
+  CHECK(window.counts().regions_in > 10);
 }
