@@ -63,7 +63,7 @@ class BlockUpdater {
   template <typename IsStrong>
   void offer_all_free(std::uint32_t chunk, BlockKey key, HitRecord* hits, IsStrong&& is_strong) {
     const std::uint32_t slot = slot_of(key);
-    if (slot == kNoSlot || (map_->header(slot).plane == kNoSlot && hits == nullptr)) {
+    if (hits == nullptr && (slot == kNoSlot || map_->header(slot).plane == kNoSlot)) {
       offer_uniform(chunk, key, slot, is_strong);
       return;
     }

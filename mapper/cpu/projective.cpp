@@ -80,10 +80,6 @@ void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& 
     tables_.x_px_m[place] = sensor.camera.fx_px * (R[0] * x + R[3] * y + R[6] * z);
     tables_.y_px_m[place] = sensor.camera.fy_px * (R[1] * x + R[4] * y + R[7] * z);
     tables_.z_units[place] = sensor.camera.depth_units_per_metre * (R[2] * x + R[5] * y + R[8] * z);
-    if (place % kBrickVoxels == 0) {
-      brick_offset_m_[place / kBrickVoxels] = {R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z,
-                                               R[2] * x + R[5] * y + R[8] * z};
-    }
     // The middle of a brick of 4x4x4 voxels lies half way between its first voxel and its last.
     if (place % kBrickVoxels == kBrickVoxels - 1) {
       middle_units_[place / kBrickVoxels] = 0.5F * (tables_.z_units[place - (kBrickVoxels - 1)] + tables_.z_units[place]);
@@ -110,10 +106,9 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
   brick.bottom_px = numbers.bottom_px;
   std::copy(numbers.reach_px_m.begin(), numbers.reach_px_m.end(), brick.reach_px_m);
   bool any = false;
+  const std::array<BlockClass, kBricksPerBlock> classes = visible.classify_bricks(block);
   for (int first = 0; first < kBlockVoxels; first += kBrickVoxels) {
-    const auto& offset = brick_offset_m_[static_cast<std::size_t>(first / kBrickVoxels)];
-    const BlockClass found =
-        visible.classify({0, 0, 0, block.x_m + offset[0], block.y_m + offset[1], block.z_m + offset[2]}, 4);
+    const BlockClass found = classes[static_cast<std::size_t>(first / kBrickVoxels)];
     if (found == BlockClass::hidden || found == BlockClass::all_free) {
       std::memset(flags.data() + first, found == BlockClass::all_free ? kWeakFree : 0, kBrickVoxels);
       any |= found == BlockClass::all_free;
@@ -165,7 +160,8 @@ void Projective::offer(const FrameWork& work) {
   fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
   const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
-  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, numbers.window_px_m, numbers.bias_m);
+  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m,
+                              numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {

@@ -74,8 +74,7 @@ class Projective final : public FreeSpace {
   FootprintImages images_;
   std::array<std::array<Window, kMaxWindow + 1>, kMaxLevels> windows_;
   ProjectionTables tables_{};
-  std::array<std::array<float, 3>, kBricksPerBlock> brick_offset_m_{};  ///< camera frame, from the block's first voxel
-  std::array<float, kBricksPerBlock> middle_units_{};                   ///< depth of a brick's middle, likewise
+  std::array<float, kBricksPerBlock> middle_units_{};                   ///< depth of a brick's middle behind the block's first voxel
 };
 
 }  // namespace g3d::mapper::cpu

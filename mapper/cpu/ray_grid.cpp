@@ -99,7 +99,7 @@ void RayGrid::offer(const FrameWork& work) {
   if (work.ends.counts().invalid > 0) walk(work, false);
   walk(work, true);
   grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] = 0;  // the spare cell: the next box may reach it
-  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, 0.0F, 0.0F);
+  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
   const auto every = [](int, int, int) { return true; };  // even where nothing can change the marks must be wiped

@@ -15,15 +15,52 @@ std::array<float, 3> voxel_in_camera_m(const SensorGeometry& sensor, const Frame
 }
 
 VisibleBlocks::VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& frame, const DepthPyramid& pyramid,
-                             float footprint_px_m, float bias_m)
-    : sensor_(&sensor), frame_(&frame), pyramid_(&pyramid), footprint_px_m_(footprint_px_m), bias_m_(bias_m) {
+                             const Kernels& kernels, float footprint_px_m, float bias_m)
+    : sensor_(&sensor),
+      frame_(&frame),
+      pyramid_(&pyramid),
+      kernels_(&kernels),
+      footprint_px_m_(footprint_px_m),
+      bias_m_(bias_m),
+      supers_{(frame.nx_blocks + 3) / 4, (frame.ny_blocks + 3) / 4, (frame.nz_blocks + 3) / 4},
+      super_view_(box_view(4 * kBlockSide_cells)),
+      block_view_(box_view(kBlockSide_cells)),
+      brick_view_(box_view(kBlockSide_cells / 2)) {
   const auto& R = frame.rotation;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    extent_per_voxel_m_[axis] =
-        0.5F * sensor.resolution_m * (std::abs(R[axis]) + std::abs(R[3 + axis]) + std::abs(R[6 + axis]));
-    diagonal_m_[axis] = sensor.resolution_m * (R[axis] + R[3 + axis] + R[6 + axis]);
+    const auto offset_m = [&](float x, float y, float z) {
+      return sensor.resolution_m * (R[axis] * x + R[3 + axis] * y + R[6 + axis] * z);
+    };
+    super_middle_m_[axis] = offset_m(15.5F, 15.5F, 15.5F);
+    for (std::size_t i = 0; i < 64; ++i) {
+      block_middle_m_[axis][i] = offset_m(static_cast<float>(8 * (i & 3)) + 3.5F, static_cast<float>(8 * ((i >> 2) & 3)) + 3.5F,
+                                          static_cast<float>(8 * (i >> 4)) + 3.5F);
+    }
+    for (std::size_t i = 0; i < 8; ++i) {
+      brick_middle_m_[axis][i] = offset_m(static_cast<float>(4 * (i & 1)) + 1.5F, static_cast<float>(4 * ((i >> 1) & 1)) + 1.5F,
+                                          static_cast<float>(4 * (i >> 2)) + 1.5F);
+    }
   }
-  supers_ = {(frame.nx_blocks + 3) / 4, (frame.ny_blocks + 3) / 4, (frame.nz_blocks + 3) / 4};
+}
+
+BoxView VisibleBlocks::box_view(int side_cells) const {
+  const auto& R = frame_->rotation;
+  const hal::CameraModel& camera = sensor_->camera;
+  const float half_m = 0.5F * sensor_->resolution_m * static_cast<float>(side_cells);
+  BoxView view;
+  view.half_x_m = half_m * (std::abs(R[0]) + std::abs(R[3]) + std::abs(R[6]));
+  view.half_y_m = half_m * (std::abs(R[1]) + std::abs(R[4]) + std::abs(R[7]));
+  view.half_z_m = half_m * (std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]));
+  view.fx_px = camera.fx_px;
+  view.fy_px = camera.fy_px;
+  view.cx_px = camera.cx_px;
+  view.cy_px = camera.cy_px;
+  view.last_u_px = static_cast<float>(camera.width_px - 1);
+  view.last_v_px = static_cast<float>(camera.height_px - 1);
+  view.near_plane_m = 2.0F * sensor_->resolution_m;
+  view.far_m = static_cast<float>(sensor_->far_raw) * sensor_->metres_per_unit;
+  view.window_px_m = footprint_px_m_;
+  return view;
 }
 
 BlockView VisibleBlocks::view(int bx, int by, int bz) const {
@@ -32,51 +69,28 @@ BlockView VisibleBlocks::view(int bx, int by, int bz) const {
   return {bx, by, bz, p[0], p[1], p[2]};
 }
 
-BlockClass VisibleBlocks::classify(const BlockView& first, int side_cells) const {
-  const hal::CameraModel& camera = sensor_->camera;
-  const float voxels = static_cast<float>(side_cells);
-  const float to_centre = 0.5F * (voxels - 1.0F);
-  const float ex = extent_per_voxel_m_[0] * voxels;
-  const float ey = extent_per_voxel_m_[1] * voxels;
-  const float ez = extent_per_voxel_m_[2] * voxels;
-  const float x = first.x_m + to_centre * diagonal_m_[0];
-  const float y = first.y_m + to_centre * diagonal_m_[1];
-  const float z = first.z_m + to_centre * diagonal_m_[2];
-  const float z_low = z - ez;
-  const float z_high = z + ez;
-  const float far_m = static_cast<float>(sensor_->far_raw) * sensor_->metres_per_unit;
-  if (z_high <= 0.0F || z_low > far_m) return BlockClass::hidden;
-
-  const float last_u = static_cast<float>(camera.width_px - 1);
-  const float last_v = static_cast<float>(camera.height_px - 1);
-  const float near_plane_m = 2.0F * sensor_->resolution_m;
-  int u0 = 0;
-  int v0 = 0;
-  int u1 = camera.width_px - 1;
-  int v1 = camera.height_px - 1;
-  bool is_inside = false;
-  if (z_low > near_plane_m) {
-    const float inverse_low = 1.0F / z_low;
-    const float inverse_high = 1.0F / z_high;
-    const float reach_px = footprint_px_m_ * inverse_low + 2.0F;
-    const float left = camera.fx_px * (x - ex) * (x - ex < 0 ? inverse_low : inverse_high) + camera.cx_px;
-    const float right = camera.fx_px * (x + ex) * (x + ex > 0 ? inverse_low : inverse_high) + camera.cx_px;
-    const float top = camera.fy_px * (y - ey) * (y - ey < 0 ? inverse_low : inverse_high) + camera.cy_px;
-    const float bottom = camera.fy_px * (y + ey) * (y + ey > 0 ? inverse_low : inverse_high) + camera.cy_px;
-    if (right + reach_px < 0.0F || left - reach_px > last_u || bottom + reach_px < 0.0F || top - reach_px > last_v) {
-      return BlockClass::hidden;
-    }
-    is_inside = left >= 0.0F && right <= last_u && top >= 0.0F && bottom <= last_v;
-    u0 = static_cast<int>(std::max(left - reach_px, 0.0F));
-    v0 = static_cast<int>(std::max(top - reach_px, 0.0F));
-    u1 = static_cast<int>(std::min(right + reach_px, last_u));
-    v1 = static_cast<int>(std::min(bottom + reach_px, last_v));
+std::array<BlockClass, 8> VisibleBlocks::classify_bricks(const BlockView& block) const {
+  BoxBounds boxes;
+  for (std::size_t i = 0; i < 8; ++i) {
+    boxes.x_m[i] = block.x_m + brick_middle_m_[0][i];
+    boxes.y_m[i] = block.y_m + brick_middle_m_[1][i];
+    boxes.z_m[i] = block.z_m + brick_middle_m_[2][i];
   }
-  const DepthPyramid::Range ends = pyramid_->range(u0, v0, u1, v1);
+  kernels_->bound_boxes(brick_view_, 8, boxes);
+  std::array<BlockClass, 8> classes;
+  for (int i = 0; i < 8; ++i) classes[static_cast<std::size_t>(i)] = decide(boxes, i, brick_view_);
+  return classes;
+}
+
+BlockClass VisibleBlocks::decide(const BoxBounds& boxes, int i, const BoxView& view) const {
+  if (boxes.hidden[i] != 0) return BlockClass::hidden;
+  const DepthPyramid::Range ends = pyramid_->range(boxes.u0[i], boxes.v0[i], boxes.u1[i], boxes.v1[i]);
   const float farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
-  if (ends.max == 0 || farthest_m < z_low) return BlockClass::hidden;
+  if (ends.max == 0 || farthest_m < boxes.z_m[i] - view.half_z_m) return BlockClass::hidden;
+  const bool is_inside = boxes.inside[i] != 0;
   const float nearest_m = static_cast<float>(ends.min) * sensor_->metres_per_unit;
-  if (is_inside && nearest_m > z_high + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit) return BlockClass::all_free;
+  const float behind_m = boxes.z_m[i] + view.half_z_m + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit;
+  if (is_inside && nearest_m > behind_m) return BlockClass::all_free;
   return is_inside ? BlockClass::look : BlockClass::look_at_border;
 }
 

@@ -9,6 +9,7 @@
 
 #include "mapper/cpu/depth_pyramid.hpp"
 #include "mapper/cpu/frame_geometry.hpp"
+#include "mapper/cpu/kernels/kernels.hpp"
 
 namespace g3d::mapper::cpu {
 
@@ -34,7 +35,7 @@ class VisibleBlocks {
   /// `footprint_px_m`: a voxel at depth z is looked up in a window of about footprint_px_m / z pixels; 0 = none.
   /// `bias_m`: a voxel is free only if the ray reaches this far beyond its centre (projective); 0 for exact rays.
   VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& frame, const DepthPyramid& pyramid,
-                float footprint_px_m, float bias_m);
+                const Kernels& kernels, float footprint_px_m, float bias_m);
 
   [[nodiscard]] std::uint32_t chunk_count() const { return static_cast<std::uint32_t>(supers_[1] * supers_[2]); }
   /// No chunk visits more blocks.
@@ -46,35 +47,57 @@ class VisibleBlocks {
   void for_chunk(std::uint32_t chunk, Wants&& wants, Visit&& visit) const {
     const int sy = static_cast<int>(chunk) % supers_[1];
     const int sz = static_cast<int>(chunk) / supers_[1];
+    BoxBounds boxes;
     for (int sx = 0; sx < supers_[0]; ++sx) {
-      const BlockClass super = classify(view(4 * sx, 4 * sy, 4 * sz), 4 * kBlockSide_cells);
+      const BlockView first = view(4 * sx, 4 * sy, 4 * sz);
+      boxes.x_m[0] = first.x_m + super_middle_m_[0];
+      boxes.y_m[0] = first.y_m + super_middle_m_[1];
+      boxes.z_m[0] = first.z_m + super_middle_m_[2];
+      kernels_->bound_boxes(super_view_, 1, boxes);
+      const BlockClass super = decide(boxes, 0, super_view_);
       if (super == BlockClass::hidden) continue;
-      for (int bz = 4 * sz; bz < std::min(4 * sz + 4, frame_->nz_blocks); ++bz) {
-        for (int by = 4 * sy; by < std::min(4 * sy + 4, frame_->ny_blocks); ++by) {
-          for (int bx = 4 * sx; bx < std::min(4 * sx + 4, frame_->nx_blocks); ++bx) {
-            if (!wants(bx, by, bz)) continue;
-            const BlockView block = view(bx, by, bz);
-            const BlockClass found = super == BlockClass::all_free ? super : classify(block, kBlockSide_cells);
-            if (found != BlockClass::hidden) visit(block, found);
-          }
-        }
+      for (std::size_t i = 0; i < 64; ++i) {
+        boxes.x_m[i] = first.x_m + block_middle_m_[0][i];
+        boxes.y_m[i] = first.y_m + block_middle_m_[1][i];
+        boxes.z_m[i] = first.z_m + block_middle_m_[2][i];
+      }
+      if (super != BlockClass::all_free) kernels_->bound_boxes(block_view_, 64, boxes);
+      for (int i = 0; i < 64; ++i) {
+        const int bx = 4 * sx + (i & 3);
+        const int by = 4 * sy + ((i >> 2) & 3);
+        const int bz = 4 * sz + (i >> 4);
+        if (bx >= frame_->nx_blocks || by >= frame_->ny_blocks || bz >= frame_->nz_blocks) continue;
+        if (super != BlockClass::all_free && boxes.hidden[i] != 0) continue;
+        if (!wants(bx, by, bz)) continue;
+        const BlockClass found = super == BlockClass::all_free ? super : decide(boxes, i, block_view_);
+        if (found != BlockClass::hidden) visit(view(bx, by, bz), found);
       }
     }
   }
 
+  /// Classes of the eight bricks of 4x4x4 voxels of a block, in order of place.
+  [[nodiscard]] std::array<BlockClass, 8> classify_bricks(const BlockView& block) const;
+  /// Where a block's first voxel lies.
   [[nodiscard]] BlockView view(int bx, int by, int bz) const;
-  /// A cube of side_cells^3 voxels whose lowest voxel's centre is at `first`.
-  [[nodiscard]] BlockClass classify(const BlockView& first, int side_cells) const;
 
  private:
+  [[nodiscard]] BoxView box_view(int side_cells) const;
+  [[nodiscard]] BlockClass decide(const BoxBounds& boxes, int i, const BoxView& view) const;
+
   const SensorGeometry* sensor_;
   const FrameGeometry* frame_;
   const DepthPyramid* pyramid_;
+  const Kernels* kernels_;
   float footprint_px_m_;
   float bias_m_;
-  std::array<float, 3> extent_per_voxel_m_;  ///< half extents of one voxel along the camera's axes
-  std::array<float, 3> diagonal_m_;          ///< camera-frame offset of one voxel along all three grid axes at once
   std::array<int, 3> supers_;
+  BoxView super_view_;
+  BoxView block_view_;
+  BoxView brick_view_;
+  // Camera-frame offsets from the centre of the first voxel, axis by axis
+  std::array<float, 3> super_middle_m_;
+  std::array<std::array<float, 64>, 3> block_middle_m_;  ///< of the 64 blocks of a group, x fastest
+  std::array<std::array<float, 8>, 3> brick_middle_m_;   ///< of the eight bricks of a block
 };
 
 /// Camera-frame position of a voxel's centre. float32, the same in every twin.

@@ -7,6 +7,39 @@
 
 namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
 
+void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
+  const BoxView b = view;
+  for (int i = 0; i < count; ++i) {
+    const float z_low = boxes.z_m[i] - b.half_z_m;
+    const float z_high = boxes.z_m[i] + b.half_z_m;
+    const bool projects = z_low > b.near_plane_m;
+    const float inverse_low = 1.0F / (projects ? z_low : 1.0F);
+    const float inverse_high = 1.0F / (projects ? z_high : 1.0F);
+    const float reach_px = b.window_px_m * inverse_low + 2.0F;
+    const float x_low = boxes.x_m[i] - b.half_x_m;
+    const float x_high = boxes.x_m[i] + b.half_x_m;
+    const float y_low = boxes.y_m[i] - b.half_y_m;
+    const float y_high = boxes.y_m[i] + b.half_y_m;
+    const float left = b.fx_px * x_low * (x_low < 0 ? inverse_low : inverse_high) + b.cx_px;
+    const float right = b.fx_px * x_high * (x_high > 0 ? inverse_low : inverse_high) + b.cx_px;
+    const float top = b.fy_px * y_low * (y_low < 0 ? inverse_low : inverse_high) + b.cy_px;
+    const float bottom = b.fy_px * y_high * (y_high > 0 ? inverse_low : inverse_high) + b.cy_px;
+    const bool beside = (right + reach_px < 0.0F) | (left - reach_px > b.last_u_px) | (bottom + reach_px < 0.0F) |
+                        (top - reach_px > b.last_v_px);
+    const bool within = (left >= 0.0F) & (right <= b.last_u_px) & (top >= 0.0F) & (bottom <= b.last_v_px);
+    boxes.hidden[i] = (z_high <= 0.0F) | (z_low > b.far_m) | (projects & beside) ? 1 : 0;
+    boxes.inside[i] = projects & within ? 1 : 0;
+    const float u0 = std::min(std::max(left - reach_px, 0.0F), b.last_u_px);
+    const float v0 = std::min(std::max(top - reach_px, 0.0F), b.last_v_px);
+    const float u1 = std::min(std::max(right + reach_px, 0.0F), b.last_u_px);
+    const float v1 = std::min(std::max(bottom + reach_px, 0.0F), b.last_v_px);
+    boxes.u0[i] = static_cast<std::int32_t>(projects ? u0 : 0.0F);
+    boxes.v0[i] = static_cast<std::int32_t>(projects ? v0 : 0.0F);
+    boxes.u1[i] = static_cast<std::int32_t>(projects ? u1 : b.last_u_px);
+    boxes.v1[i] = static_cast<std::int32_t>(projects ? v1 : b.last_v_px);
+  }
+}
+
 bool project_brick(const ProjectBrick& b, std::uint8_t* free) {
   const int first = b.first_place;
   const float* __restrict ox = b.tables->x_px_m + first;
@@ -102,7 +135,7 @@ const Kernels& table() {
 #define G3D_TEXT_OF(name) #name
 #define G3D_TEXT(name) G3D_TEXT_OF(name)
   static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT), classify_row, carry_down, bound_up, unproject_row, max_filter_row, halve_max_row,
-                                  halve_min_row, project_brick, apply_block, any_contested, walk_rays, walk_bresenham};
+                                  halve_min_row, bound_boxes, project_brick, apply_block, any_contested, walk_rays, walk_bresenham};
   return kTable;
 }
 

@@ -141,6 +141,37 @@ struct RayRow {
   std::int32_t spare_cell;      ///< lanes that are done write here
 };
 
+inline constexpr int kMostBoxes = 64;
+
+/// What is the same for all cubes of one size in a frame.
+struct BoxView {
+  float half_x_m;       ///< half extents of the cube along the camera's axes
+  float half_y_m;
+  float half_z_m;
+  float fx_px;
+  float fy_px;
+  float cx_px;
+  float cy_px;
+  float last_u_px;
+  float last_v_px;
+  float near_plane_m;   ///< nearer cubes are not projected: they may cover the whole image
+  float far_m;
+  float window_px_m;    ///< a voxel at depth z is looked up in a window of about window_px_m / z pixels
+};
+
+/// Camera-frame centres of up to 64 cubes, and what their projections cover.
+struct BoxBounds {
+  alignas(64) float x_m[kMostBoxes];
+  alignas(64) float y_m[kMostBoxes];
+  alignas(64) float z_m[kMostBoxes];
+  alignas(64) std::int32_t u0[kMostBoxes];      ///< columns and rows that any window of the cube's voxels touches
+  alignas(64) std::int32_t v0[kMostBoxes];
+  alignas(64) std::int32_t u1[kMostBoxes];
+  alignas(64) std::int32_t v1[kMostBoxes];
+  alignas(64) std::int32_t hidden[kMostBoxes];  ///< 1: outside of the frustum
+  alignas(64) std::int32_t inside[kMostBoxes];  ///< 1: wholly within the image
+};
+
 struct Kernels {
   const char* name;
   RowCounts (*classify_row)(const ClassifyRow&);
@@ -153,6 +184,7 @@ struct Kernels {
   /// Halves two rows: out[x] = max (min) over a[2x], a[2x+1], b[2x], b[2x+1].
   void (*halve_max_row)(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
   void (*halve_min_row)(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+  void (*bound_boxes)(const BoxView&, int count, BoxBounds&);
   /// Sets free[first_place .. +64) to kWeakFree or 0; returns whether any was set.
   bool (*project_brick)(const ProjectBrick&, std::uint8_t* free);
   ApplyResult (*apply_block)(const ApplyBlock&);

@@ -13,6 +13,7 @@ void unproject_row(const UnprojectRow& row);
 void max_filter_row(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
 void halve_max_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
 void halve_min_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
+void bound_boxes(const BoxView& view, int count, BoxBounds& boxes);
 bool project_brick(const ProjectBrick& brick, std::uint8_t* free);
 ApplyResult apply_block(const ApplyBlock& block);
 bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free);
