@@ -8,7 +8,7 @@
 namespace g3d::mapper::cpu {
 namespace {
 
-constexpr int kTile_px = 16;
+constexpr int kTileRows_px = 16;
 
 // Place (M & 511) of the voxel pair x = 2k, 2k + 1 within a row of eight: 0, 8, 64, 72; y adds 2, 16, 128; z 4, 32, 256.
 constexpr std::array<std::uint16_t, 64> row_places() {
@@ -50,15 +50,15 @@ void RayGrid::walk(const FrameWork& work, bool strong) {
     constant.translation[axis] = work.frame.translation_m[axis];
   }
   const auto walk_row = kind_ == IntegratorKind::dda ? work.kernels.walk_rays : work.kernels.walk_bresenham;
-  const auto bands = static_cast<std::uint32_t>((camera.height_px + kTile_px - 1) / kTile_px);
+  const auto bands = static_cast<std::uint32_t>((camera.height_px + kTileRows_px - 1) / kTileRows_px);
   work.pool.parallel_for(bands, [&](std::uint32_t band) {
     RayRow row = constant;
-    const int v0 = static_cast<int>(band) * kTile_px;
+    const int v0 = static_cast<int>(band) * kTileRows_px;
     // Tile by tile, so that the beam's voxels stay in the nearest cache.
-    for (int u0 = 0; u0 < camera.width_px; u0 += kTile_px) {
+    for (int u0 = 0; u0 < camera.width_px; u0 += kRayLanes) {
       row.lanes = std::min(kRayLanes, camera.width_px - u0);
       row.column_slope = column_slope_.data() + u0;
-      for (int v = v0; v < std::min(v0 + kTile_px, camera.height_px); ++v) {
+      for (int v = v0; v < std::min(v0 + kTileRows_px, camera.height_px); ++v) {
         const float slope = work.sensor.row_slope[static_cast<std::size_t>(v)];
         for (std::size_t axis = 0; axis < 3; ++axis) row.row_part[axis] = R[3 * axis + 1] * slope + R[3 * axis + 2];
         row.ends = work.ends.padded() + (v + kImagePadding) * work.ends.stride() + kImagePadding + u0;

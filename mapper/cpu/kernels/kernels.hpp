@@ -121,15 +121,15 @@ struct ApplyResult {
   std::uint8_t lost_colour;  ///< bit b: a voxel of brick b lost its colour
 };
 
-inline constexpr int kRayLanes = 16;
+inline constexpr int kRayLanes = 32;
 
-/// Up to sixteen neighbouring pixels of one row whose rays walk the frame's byte grid in lockstep.
+/// Up to 32 neighbouring pixels of one row whose rays walk the frame's byte grid in lockstep.
 struct RayRow {
   const std::uint16_t* ends;    ///< raw depth of each ray's end; 0 = no ray
   const std::uint16_t* depth;   ///< the readings: 0 marks a weak ray
-  int lanes;                    ///< 1..16
+  int lanes;                    ///< 1..32
   bool strong;                  ///< walk the rays of readings, or those of pixels without one
-  const float* column_slope;    ///< (u - cx) / fx; 16 may be read
+  const float* column_slope;    ///< (u - cx) / fx; 32 may be read
   float metres_per_unit;
   float resolution_m;
   float column[3];              ///< as in UnprojectRow

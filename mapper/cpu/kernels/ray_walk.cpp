@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen rays walk the frame's byte grid in lockstep: neighbours have nearly the same length and touch the same lines.
+// Rays walk the frame's byte grid in lockstep, sixteen to a vector and two vectors side by side: one vector's step waits
+// for its own comparisons, two hide each other's waiting. Neighbours have nearly the same length and touch the same lines.
 #include <cmath>
 #include <limits>
 
@@ -8,8 +9,9 @@
 namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
 namespace {
 
-using Floats = float __attribute__((vector_size(4 * kRayLanes)));
-using Ints = std::int32_t __attribute__((vector_size(4 * kRayLanes)));
+constexpr int kVectorLanes = 16;
+using Floats = float __attribute__((vector_size(4 * kVectorLanes)));
+using Ints = std::int32_t __attribute__((vector_size(4 * kVectorLanes)));
 
 // By reference: a vector this wide as a return value would change the calling convention of the narrower variants.
 template <typename Vector, typename Scalar>
@@ -19,9 +21,10 @@ inline void load(Vector& v, const Scalar* from) {
 
 // Several threads may mark one byte, always with the same value: relaxed atomics cost a plain store.
 inline void mark(std::uint8_t* grid, const Ints& where, std::uint8_t flag) {
-  alignas(64) std::int32_t cells[kRayLanes];
+  alignas(64) std::int32_t cells[kVectorLanes];
   __builtin_memcpy(cells, &where, sizeof cells);
-  for (const std::int32_t cell : cells) __atomic_store_n(grid + cell, flag, __ATOMIC_RELAXED);
+#pragma GCC unroll 16
+  for (int lane = 0; lane < kVectorLanes; ++lane) __atomic_store_n(grid + cells[lane], flag, __ATOMIC_RELAXED);
 }
 
 /// First and last voxel of each ray, relative to the grid's origin, and both ends in voxel units.
@@ -55,6 +58,73 @@ inline void find_ends(const RayRow& row, RayEndsOfRow& rays) {
   }
 }
 
+/// Amanatides & Woo 1987, branch-free: the axis whose boundary comes first; at a tie x before y before z.
+struct ExactWalk {
+  Floats tx, ty, tz, dx, dy, dz;
+  Ints sx, sy, sz, cell, steps;
+
+  [[gnu::always_inline]] void start(const float (*t_first)[kRayLanes], const float (*t_delta)[kRayLanes],
+                                    const std::int32_t (*stride)[kRayLanes], const std::int32_t* step_count, int from,
+                                    std::int32_t first_cell) {
+    load(tx, t_first[0] + from);
+    load(ty, t_first[1] + from);
+    load(tz, t_first[2] + from);
+    load(dx, t_delta[0] + from);
+    load(dy, t_delta[1] + from);
+    load(dz, t_delta[2] + from);
+    load(sx, stride[0] + from);
+    load(sy, stride[1] + from);
+    load(sz, stride[2] + from);
+    load(steps, step_count + from);
+    cell = Ints{} + first_cell;
+  }
+
+  [[gnu::always_inline]] void step(std::uint8_t* grid, const Ints& spare, std::uint8_t flag) {
+    const Ints target = steps > 0 ? cell : spare;
+    mark(grid, target, flag);
+    const Ints x_first = (tx <= ty) & (tx <= tz);
+    const Ints y_first = ~x_first & (ty <= tz);
+    const Ints z_first = ~x_first & ~y_first;
+    tx = x_first ? tx + dx : tx;
+    ty = y_first ? ty + dy : ty;
+    tz = z_first ? tz + dz : tz;
+    cell += x_first ? sx : (y_first ? sy : sz);
+    steps -= 1;
+  }
+};
+
+/// Thesis Algorithm 1: one step along the driving axis, the two others when their error term is due.
+struct ThesisWalk {
+  Ints error_a, error_b, gain_a, gain_b, loss, drive, step_a, step_b, cell, steps;
+
+  [[gnu::always_inline]] void start(const std::int32_t (*error)[kRayLanes], const std::int32_t (*gain)[kRayLanes],
+                                    const std::int32_t* loss_of, const std::int32_t (*stride)[kRayLanes],
+                                    const std::int32_t* step_count, int from, std::int32_t first_cell) {
+    load(error_a, error[0] + from);
+    load(error_b, error[1] + from);
+    load(gain_a, gain[0] + from);
+    load(gain_b, gain[1] + from);
+    load(loss, loss_of + from);
+    load(drive, stride[0] + from);
+    load(step_a, stride[1] + from);
+    load(step_b, stride[2] + from);
+    load(steps, step_count + from);
+    cell = Ints{} + first_cell;
+  }
+
+  [[gnu::always_inline]] void step(std::uint8_t* grid, const Ints& spare, std::uint8_t flag) {
+    const Ints target = steps > 0 ? cell : spare;
+    mark(grid, target, flag);
+    const Ints zero{};
+    const Ints a_due = error_a >= 0;
+    const Ints b_due = error_b >= 0;
+    cell += drive + (a_due ? step_a : zero) + (b_due ? step_b : zero);
+    error_a += gain_a - (a_due ? loss : zero);
+    error_b += gain_b - (b_due ? loss : zero);
+    steps -= 1;
+  }
+};
+
 inline std::int32_t longest_of(const std::int32_t* steps) {
   std::int32_t most = 0;
   for (int lane = 0; lane < kRayLanes; ++lane) most = steps[lane] > most ? steps[lane] : most;
@@ -63,8 +133,8 @@ inline std::int32_t longest_of(const std::int32_t* steps) {
 
 }  // namespace
 
-// Amanatides & Woo 1987, branch-free: the axis whose boundary comes first; at a tie x before y before z. As many steps as
-// the keys of both ends are apart, so that a ray ends where its reading lies; the last voxel is not marked.
+// As many steps as the keys of both ends are apart, so that a ray ends where its reading lies; the last voxel is not
+// marked.
 void walk_rays(const RayRow& row) {
   RayEndsOfRow rays;
   find_ends(row, rays);
@@ -92,39 +162,21 @@ void walk_rays(const RayRow& row) {
       step_count[lane] += rays.active[lane] != 0 ? count : 0;
     }
   }
-  Floats tx, ty, tz, dx, dy, dz;
-  Ints sx, sy, sz, steps;
-  load(tx, t_first[0]);
-  load(ty, t_first[1]);
-  load(tz, t_first[2]);
-  load(dx, t_delta[0]);
-  load(dy, t_delta[1]);
-  load(dz, t_delta[2]);
-  load(sx, stride[0]);
-  load(sy, stride[1]);
-  load(sz, stride[2]);
-  load(steps, step_count);
   const std::int32_t first_cell =
       rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
-  Ints cell = Ints{} + first_cell;
+  ExactWalk left;
+  ExactWalk right;
+  left.start(t_first, t_delta, stride, step_count, 0, first_cell);
+  right.start(t_first, t_delta, stride, step_count, kVectorLanes, first_cell);
   const Ints spare = Ints{} + row.spare_cell;
   std::uint8_t* const grid = row.grid;
   const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
-  for (std::int32_t left = longest_of(step_count); left > 0; --left) {
-    const Ints target = steps > 0 ? cell : spare;
-    mark(grid, target, flag);
-    const Ints x_first = (tx <= ty) & (tx <= tz);
-    const Ints y_first = ~x_first & (ty <= tz);
-    const Ints z_first = ~x_first & ~y_first;
-    tx = x_first ? tx + dx : tx;
-    ty = y_first ? ty + dy : ty;
-    tz = z_first ? tz + dz : tz;
-    cell += x_first ? sx : (y_first ? sy : sz);
-    steps -= 1;
+  for (std::int32_t most = longest_of(step_count); most > 0; --most) {
+    left.step(grid, spare, flag);
+    right.step(grid, spare, flag);
   }
 }
 
-// Thesis Algorithm 1 on integer keys: one step along the driving axis, the two others when their error term is due.
 void walk_bresenham(const RayRow& row) {
   RayEndsOfRow rays;
   find_ends(row, rays);
@@ -159,32 +211,18 @@ void walk_bresenham(const RayRow& row) {
     loss_of[lane] = 2 * along;
     step_count[lane] = rays.active[lane] != 0 ? along : 0;
   }
-  Ints error_a, error_b, gain_a, gain_b, loss, drive, step_a, step_b, steps;
-  load(error_a, error[0]);
-  load(error_b, error[1]);
-  load(gain_a, gain[0]);
-  load(gain_b, gain[1]);
-  load(loss, loss_of);
-  load(drive, stride[0]);
-  load(step_a, stride[1]);
-  load(step_b, stride[2]);
-  load(steps, step_count);
   const std::int32_t first_cell =
       rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
-  Ints cell = Ints{} + first_cell;
+  ThesisWalk left;
+  ThesisWalk right;
+  left.start(error, gain, loss_of, stride, step_count, 0, first_cell);
+  right.start(error, gain, loss_of, stride, step_count, kVectorLanes, first_cell);
   const Ints spare = Ints{} + row.spare_cell;
-  const Ints zero{};
   std::uint8_t* const grid = row.grid;
   const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
-  for (std::int32_t left = longest_of(step_count); left > 0; --left) {
-    const Ints target = steps > 0 ? cell : spare;
-    mark(grid, target, flag);
-    const Ints a_due = error_a >= 0;
-    const Ints b_due = error_b >= 0;
-    cell += drive + (a_due ? step_a : zero) + (b_due ? step_b : zero);
-    error_a += gain_a - (a_due ? loss : zero);
-    error_b += gain_b - (b_due ? loss : zero);
-    steps -= 1;
+  for (std::int32_t most = longest_of(step_count); most > 0; --most) {
+    left.step(grid, spare, flag);
+    right.step(grid, spare, flag);
   }
 }
 
