@@ -8,8 +8,8 @@
 namespace g3d::tests {
 
 struct CorridorWalk {
-  double length_m = 40.0;
-  double step_m = 0.1;
+  double length_m = 32.0;
+  double step_m = 0.2;
 
   [[nodiscard]] static hal::CameraModel camera();
   /// Up and down and up again, without end.
