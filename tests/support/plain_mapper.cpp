@@ -200,6 +200,12 @@ void free_by_rays(const SensorGeometry& sensor, const FrameGeometry& frame, cons
   }
 }
 
+/// A voxel seen face on at the far bound.
+float smallest_window_px(const SensorGeometry& sensor) {
+  const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
+  return cpu::ProjectiveTuning{}.window_scale * sensor.camera.fx_px * sensor.resolution_m / far_m;
+}
+
 /// The square of pixels that a voxel covers, and the depth that a ray must reach there.
 class Footprints {
  public:
@@ -207,8 +213,7 @@ class Footprints {
       : sensor_(sensor),
         frame_(frame),
         numbers_(cpu::projective_frame(sensor, frame, {})),
-        choices_(sensor.camera.width_px, sensor.camera.height_px,
-                 numbers_.window_px_m / (static_cast<float>(sensor.far_raw) * sensor.metres_per_unit)) {}
+        choices_(sensor.camera.width_px, sensor.camera.height_px, smallest_window_px(sensor)) {}
 
   [[nodiscard]] Seen look(const VoxelIndex& voxel, const std::uint16_t* depth,
                           const std::vector<std::uint16_t>& ends) const {

@@ -2,7 +2,9 @@
 #include "mapper/cpu/hit_scatter.hpp"
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "tests/support/plain_mapper.hpp"
 #include "tests/support/test_frames.hpp"
@@ -13,25 +15,32 @@ using namespace g3d::mapper::cpu;
 
 namespace {
 
-/// All records as one list of voxels.
-test::PlainHits hits_of(HitScatter& scatter, const FrameGeometry& frame) {
-  test::PlainHits hits;
+/// Hit voxels with the colour that the frame gives them, R | G << 8 | B << 16; kNoColour where it gives none.
+using ColouredHits = std::map<MCode, std::uint32_t>;
+constexpr std::uint32_t kNoColour = 0xFFFFFFFF;
+
+ColouredHits hits_of(HitScatter& scatter, const FrameGeometry& frame) {
+  ColouredHits hits;
   for (std::uint32_t id = 0; id < frame.block_count(); ++id) {
     const HitRecord* record = scatter.find(id);
     if (record == nullptr) continue;
     for (std::size_t place = 0; place < kBlockVoxels; ++place) {
       if ((record->flags[place] & kHitFlag) == 0) continue;
       const bool coloured = (record->flags[place] & kColourFlag) != 0;
-      hits[(frame.block_key(id) << kBlockShift) | place] = {coloured, coloured ? record->pixel[place] : 0};
+      hits[(frame.block_key(id) << kBlockShift) | place] = coloured ? record->rgb[place] & 0xFFFFFF : kNoColour;
     }
   }
   return hits;
 }
 
-bool same(const test::PlainHits& a, const test::PlainHits& b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
-           return x.first == y.first && x.second.has_colour == y.second.has_colour && x.second.pixel == y.second.pixel;
-         });
+ColouredHits expected_hits(const SensorGeometry& sensor, const FrameGeometry& frame, const std::uint16_t* depth,
+                           const std::uint8_t* rgb) {
+  ColouredHits hits;
+  for (const auto& [code, hit] : test::plain_hits(sensor, frame, depth)) {
+    const std::uint8_t* c = rgb + 3 * std::size_t{hit.pixel};
+    hits[code] = hit.has_colour ? static_cast<std::uint32_t>(c[0] | c[1] << 8 | c[2] << 16) : kNoColour;
+  }
+  return hits;
 }
 
 }  // namespace
@@ -52,8 +61,9 @@ TEST_CASE("every trusted reading marks its voxel, coloured by the lowest pixel t
         REQUIRE(frame);
         ends.compute(image.depth.get(), best_kernels(), pool);
         scatter.clear();
-        scatter.compute(*frame, ends, best_kernels(), pool);
-        REQUIRE(same(hits_of(scatter, *frame), test::plain_hits(sensor, *frame, image.depth.get())));
+        scatter.compute(*frame, ends, image.rgb.get(), best_kernels(), pool);
+        const auto expected = expected_hits(sensor, *frame, image.depth.get(), image.rgb.get());
+        REQUIRE(hits_of(scatter, *frame) == expected);
 
         std::set<std::uint32_t> listed;
         for (int s = 0; s < HitScatter::kShards; ++s) {
@@ -79,8 +89,9 @@ TEST_CASE("clear forgets every record, and an image without readings makes none"
   const auto frame = frame_geometry(sensor, {});
   REQUIRE(frame);
   std::vector<std::uint16_t> depth(camera.pixel_count(), 2000);
+  const std::vector<std::uint8_t> rgb(3 * camera.pixel_count(), 9);
   ends.compute(depth.data(), best_kernels(), pool);
-  scatter.compute(*frame, ends, best_kernels(), pool);
+  scatter.compute(*frame, ends, rgb.data(), best_kernels(), pool);
   CHECK(scatter.block_count() > 0);
   scatter.clear();
   CHECK(scatter.block_count() == 0);
@@ -88,7 +99,7 @@ TEST_CASE("clear forgets every record, and an image without readings makes none"
   for (const std::uint16_t raw : {0, 799, 3501, 65535}) {
     depth.assign(depth.size(), raw);
     ends.compute(depth.data(), best_kernels(), pool);
-    scatter.compute(*frame, ends, best_kernels(), pool);
+    scatter.compute(*frame, ends, rgb.data(), best_kernels(), pool);
     CHECK(scatter.block_count() == 0);
     scatter.clear();
   }
@@ -103,14 +114,31 @@ TEST_CASE("a voxel seen only by pixels at depth edges is hit but gets no colour"
   const auto frame = frame_geometry(sensor, {});
   REQUIRE(frame);
   std::vector<std::uint16_t> depth(camera.pixel_count(), 3000);
+  const std::vector<std::uint8_t> rgb(3 * camera.pixel_count(), 9);
   const std::size_t pole = 20U * 40U + 11U;
   depth[pole] = 1500;  // one pixel in front of a wall: an edge on all sides
   ends.compute(depth.data(), best_kernels(), pool);
-  scatter.compute(*frame, ends, best_kernels(), pool);
+  scatter.compute(*frame, ends, rgb.data(), best_kernels(), pool);
   int without_colour = 0;
   const auto hits = hits_of(scatter, *frame);
-  for (const auto& [code, hit] : hits) without_colour += hit.has_colour ? 0 : 1;
+  for (const auto& [code, colour] : hits) without_colour += colour == kNoColour ? 1 : 0;
   CHECK(without_colour >= 1);
   CHECK(without_colour <= 5);  // the pole, and wall voxels that its neighbours alone see
-  CHECK(same(hits, test::plain_hits(sensor, *frame, depth.data())));
+  CHECK(hits == expected_hits(sensor, *frame, depth.data(), rgb.data()));
+}
+
+TEST_CASE("without a colour image every voxel that is measured is hit, and none gets a colour") {
+  const hal::CameraModel camera = test::small_camera(40);
+  const SensorGeometry sensor(camera, 0.05F, 0.8F, 3.5F);
+  ThreadPool pool(1);
+  RayEnds ends(sensor, {}, 3000, true);
+  HitScatter scatter(sensor);
+  const hal::Frame image = test::random_frame(camera, 3);
+  const auto frame = frame_geometry(sensor, {});
+  REQUIRE(frame);
+  ends.compute(image.depth.get(), best_kernels(), pool);
+  scatter.compute(*frame, ends, nullptr, best_kernels(), pool);
+  auto expected = expected_hits(sensor, *frame, image.depth.get(), image.rgb.get());
+  for (auto& [code, colour] : expected) colour = kNoColour;
+  CHECK(hits_of(scatter, *frame) == expected);
 }

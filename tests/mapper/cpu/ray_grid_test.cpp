@@ -81,14 +81,14 @@ TEST_CASE("rays give the map of the plain walk on simulated and recorded frames"
 }
 
 TEST_CASE("the exact rays agree with OctoMap on a simulated drive") {
-  const test::Workload work = test::simulated_drive("furnished_room", 8, 0.2, 2.0, 160);
+  const test::Workload work = test::simulated_drive("furnished_room", 6, 0.2, 2.0, 160);
   check_faithful(work, 0.05F);
   check_faithful(test::thinned(work, 3, 1), 0.02F);
 }
 
 TEST_CASE("the exact rays agree with OctoMap on real frames") {
   for (const char* name : {"rgbd_tum_fr1_rpy", "rgbd_3dmatch_couch_5"}) {
-    const test::Workload work = test::thinned_recording(name, 5, 3, 4);
+    const test::Workload work = test::thinned_recording(name, 3, 3, 8);
     if (work.frames.empty()) continue;  // the recording is not here
     check_faithful(work, 0.05F);
     check_faithful(test::thinned(work, 2, 1), 0.02F);

@@ -2,6 +2,7 @@
 // Each block kernel, in every variant, against the same formula for one voxel at a time.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -135,6 +136,80 @@ TEST_CASE("project_brick frees the voxels that the formula frees, and no other p
   }
   CHECK(freed > 1000);
   CHECK(kept > 1000);
+}
+
+TEST_CASE("bound_boxes covers the projections of all corners, and every variant says the same") {
+  Random random(4);
+  int hidden = 0;
+  int inside = 0;
+  for (int round = 0; round < 60; ++round) {
+    BoxView view{};
+    view.half_x_m = between(random, 0.05, 0.4);
+    view.half_y_m = between(random, 0.05, 0.4);
+    view.half_z_m = between(random, 0.05, 0.4);
+    view.fx_px = 131;
+    view.fy_px = 130;
+    view.cx_px = 79.5F;
+    view.cy_px = 59.25F;
+    view.last_u_px = 159;
+    view.last_v_px = 119;
+    view.near_plane_m = 0.1F;
+    view.far_m = 3.5F;
+    view.window_px_m = between(random, 0, 8);
+    const int count = round % 3 == 0 ? 1 : round % 3 == 1 ? 8 : 64;
+    BoxBounds at{};
+    for (std::size_t i = 0; i < 64; ++i) {
+      at.z_m[i] = between(random, -0.5, 4.2);
+      at.x_m[i] = between(random, -0.9, 0.9) * std::max(at.z_m[i], 0.3F);
+      at.y_m[i] = between(random, -0.7, 0.7) * std::max(at.z_m[i], 0.3F);
+    }
+    BoxBounds first = at;
+    kernels_by_name("baseline").bound_boxes(view, count, first);
+    for (const Kernels* kernels : test::kernel_variants()) {
+      BoxBounds found = at;
+      kernels->bound_boxes(view, count, found);
+      const auto end = static_cast<std::size_t>(count);
+      for (std::size_t i = 0; i < end; ++i) {
+        REQUIRE((found.hidden[i] == first.hidden[i] && found.inside[i] == first.inside[i]));
+        REQUIRE((found.u0[i] == first.u0[i] && found.u1[i] == first.u1[i]));
+        REQUIRE((found.v0[i] == first.v0[i] && found.v1[i] == first.v1[i]));
+      }
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      REQUIRE((first.u0[i] >= 0 && first.u0[i] <= first.u1[i] && first.u1[i] <= 159));
+      REQUIRE((first.v0[i] >= 0 && first.v0[i] <= first.v1[i] && first.v1[i] <= 119));
+      const bool in_front = at.z_m[i] - view.half_z_m > view.near_plane_m;
+      hidden += first.hidden[i];
+      inside += first.inside[i];
+      if (!in_front) {
+        REQUIRE(first.inside[i] == 0);
+        REQUIRE((first.u0[i] == 0 && first.u1[i] == 159 && first.v0[i] == 0 && first.v1[i] == 119));
+        REQUIRE((first.hidden[i] == 1) == (at.z_m[i] + view.half_z_m <= 0.0F));
+        continue;
+      }
+      bool corner_in_image = false;
+      for (int corner = 0; corner < 8; ++corner) {
+        const float x = at.x_m[i] + (corner % 2 == 0 ? -view.half_x_m : view.half_x_m);
+        const float y = at.y_m[i] + (corner / 2 % 2 == 0 ? -view.half_y_m : view.half_y_m);
+        const float z = at.z_m[i] + (corner / 4 == 0 ? -view.half_z_m : view.half_z_m);
+        const float u = view.fx_px * x / z + view.cx_px;
+        const float v = view.fy_px * y / z + view.cy_px;
+        const bool in_image = u >= 0 && u <= 159 && v >= 0 && v <= 119;
+        corner_in_image |= in_image;
+        if (first.inside[i] != 0) REQUIRE((u > -0.01F && u < 159.01F && v > -0.01F && v < 119.01F));
+        if (!in_image) continue;
+        const float window_px = 0.5F * view.window_px_m / z;
+        REQUIRE(static_cast<float>(first.u0[i]) <= std::max(0.0F, u - window_px));
+        REQUIRE(static_cast<float>(first.u1[i]) >= std::floor(std::min(159.0F, u + window_px)));
+        REQUIRE(static_cast<float>(first.v0[i]) <= std::max(0.0F, v - window_px));
+        REQUIRE(static_cast<float>(first.v1[i]) >= std::floor(std::min(119.0F, v + window_px)));
+      }
+      if (corner_in_image && at.z_m[i] - view.half_z_m <= view.far_m) REQUIRE(first.hidden[i] == 0);
+      if (at.z_m[i] - view.half_z_m > view.far_m) REQUIRE(first.hidden[i] == 1);
+    }
+  }
+  CHECK(hidden > 50);
+  CHECK(inside > 50);
 }
 
 TEST_CASE("apply_block moves each voxel by the update rules, with all steps") {

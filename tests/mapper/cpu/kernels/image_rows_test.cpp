@@ -133,7 +133,7 @@ TEST_CASE("bound_up takes the nearest of four bounds, and nothing if there is no
   }
 }
 
-TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the next voxel starts") {
+TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the next run starts") {
   Random random(4);
   for (const int width : {4, 8, 36, 100, 332}) {
     const hal::CameraModel camera = test::small_camera(width);
@@ -146,6 +146,8 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
         const Row depth = random_row(random, width);
         const int v = static_cast<int>(random.below(static_cast<std::uint32_t>(camera.height_px)));
         const auto& R = T.rotation;
+        std::vector<std::uint8_t> flags(depth.size());
+        for (std::uint8_t& flag : flags) flag = random.below(4) == 0 ? std::uint8_t{0} : kColourFlag;
         for (const Kernels* kernels : test::kernel_variants()) {
           INFO(kernels->name << " width " << width << " seed " << seed);
           std::vector<std::uint32_t> ids(depth.size());
@@ -171,6 +173,7 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
           row.nxy_blocks = frame->nx_blocks * frame->ny_blocks;
           row.block_id = ids.data();
           row.place = places.data();
+          row.colour_flag = flags.data();
           row.starts = starts.data();
           kernels->unproject_row(row);
           const Grid grid{resolution_m};
@@ -187,7 +190,8 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
               REQUIRE(frame->block_key(ids[u]) == code >> kBlockShift);
               REQUIRE(places[u] == (code & kPlaceMask));
             }
-            const bool starts_here = u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1];
+            const bool starts_here =
+                u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1] || flags[u] != flags[u - 1];
             REQUIRE(starts[u] == (starts_here ? 1 : 0));
           }
         }

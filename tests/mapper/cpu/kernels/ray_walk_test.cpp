@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen rays at once, in every variant, against one ray at a time; and the exact walk against geometry that knows
+// Many rays at once, in every variant, against one ray at a time; and the exact walk against geometry that knows
 // nothing of walking: which voxels does a line cut?
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -125,7 +125,7 @@ TEST_CASE("walked rays mark the cells of the plain walk, whatever the variant an
           for (const Kernels* kernels : test::kernel_variants()) {
             auto found = beam.empty_grid();
             const auto kernel = kind == IntegratorKind::dda ? kernels->walk_rays : kernels->walk_bresenham;
-            const int step = seed % 3 == 0 ? 16 : seed % 3 == 1 ? 7 : 1;
+            const int step = seed % 3 == 0 ? kRayLanes : seed % 3 == 1 ? 7 : 1;
             for (int u = 0; u < camera.width_px; u += step) {
               beam.walk(kernel, u, std::min(step, camera.width_px - u), strong, found);
             }

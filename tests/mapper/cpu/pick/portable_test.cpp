@@ -24,6 +24,7 @@ TEST_CASE("no variant leaves a kernel out") {
     CHECK(k.max_filter_row != nullptr);
     CHECK(k.halve_max_row != nullptr);
     CHECK(k.halve_min_row != nullptr);
+    CHECK(k.bound_boxes != nullptr);
     CHECK(k.project_brick != nullptr);
     CHECK(k.apply_block != nullptr);
     CHECK(k.any_contested != nullptr);
