@@ -4,6 +4,7 @@
 
 #include <sys/mman.h>
 
+#include <atomic>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,8 @@ class ReservedArray {
   explicit ReservedArray(std::size_t count) : count_(count), bytes_(count * sizeof(T) + kSlack_bytes) {
     void* place = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (place == MAP_FAILED) throw std::bad_alloc();
+    // Large pages: a frame touches thousands of small ones, and first touches happen on the way from camera to map.
+    if (bytes_ >= kLarge_bytes) (void)madvise(place, bytes_, MADV_HUGEPAGE);
     data_ = static_cast<T*>(place);
   }
   ~ReservedArray() { munmap(data_, bytes_); }
@@ -37,13 +40,14 @@ class ReservedArray {
   void reset() { madvise(data_, bytes_, MADV_DONTNEED); }
 
  private:
+  static constexpr std::size_t kLarge_bytes = std::size_t{8} << 20;
   static constexpr std::size_t kSlack_bytes = 64;  // vector loads may reach past the last element
   T* data_ = nullptr;
   std::size_t count_;
   std::size_t bytes_;
 };
 
-/// Slots of T handed out and taken back by index. One thread.
+/// Slots of T handed out and taken back by index. One thread, but for high_water().
 template <typename T>
 class SlotPool {
  public:
@@ -54,23 +58,27 @@ class SlotPool {
   /// kNone when the pool is full. The slot's bytes are what its last user left (zero at first).
   [[nodiscard]] std::uint32_t take() {
     if (free_count_ > 0) return free_[--free_count_];
-    return high_water_ < items_.size() ? high_water_++ : kNone;
+    const std::uint32_t next = high_water();
+    if (next >= items_.size()) return kNone;
+    high_water_.store(next + 1, std::memory_order_relaxed);
+    return next;
   }
   void give_back(std::uint32_t slot) {
-    assert(slot < high_water_ && free_count_ < items_.size());
+    assert(slot < high_water() && free_count_ < items_.size());
     free_[free_count_++] = slot;
   }
   void reset() {
     items_.reset();
     free_count_ = 0;
-    high_water_ = 0;
+    high_water_.store(0, std::memory_order_relaxed);
   }
 
   [[nodiscard]] T& operator[](std::uint32_t slot) { return items_[slot]; }
   [[nodiscard]] const T& operator[](std::uint32_t slot) const { return items_[slot]; }
   [[nodiscard]] std::uint32_t capacity() const { return static_cast<std::uint32_t>(items_.size()); }
-  [[nodiscard]] std::uint32_t high_water() const { return high_water_; }
-  [[nodiscard]] std::uint32_t in_use() const { return high_water_ - free_count_; }
+  /// Exclusive upper bound of what was ever handed out; any thread.
+  [[nodiscard]] std::uint32_t high_water() const { return high_water_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint32_t in_use() const { return high_water() - free_count_; }
   [[nodiscard]] std::uint32_t available() const { return capacity() - in_use(); }
   [[nodiscard]] std::size_t reserved_bytes() const { return items_.size_bytes() + free_.size_bytes(); }
 
@@ -78,7 +86,7 @@ class SlotPool {
   ReservedArray<T> items_;
   ReservedArray<std::uint32_t> free_;
   std::uint32_t free_count_ = 0;
-  std::uint32_t high_water_ = 0;
+  std::atomic<std::uint32_t> high_water_{0};
 };
 
 }  // namespace g3d::mapper

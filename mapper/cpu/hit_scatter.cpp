@@ -20,7 +20,7 @@ std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t 
 HitScatter::HitScatter(const SensorGeometry& sensor)
     : sensor_(&sensor),
       chunks_((sensor.camera.height_px + kRowsPerChunk - 1) / kRowsPerChunk),
-      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px) + 1),  // one to write in vain
+      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px)),
       runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
       record_of_block_(sensor.max_box_blocks()),
@@ -36,22 +36,31 @@ void HitScatter::clear() {
 
 void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
                          ThreadPool& pool) {
+  if (pool.threads() == 1) {
+    // The same order within each shard as below, without the way through the lists.
+    std::uint32_t last_id = kNoBlock;
+    HitRecord* record = nullptr;
+    for (int chunk = 0; chunk < chunks_; ++chunk) {
+      cut_rows(chunk, frame, ends, rgb, kernels, [&](const Run& run) {
+        if (run.block_id != last_id) record = &record_for(last_id = run.block_id);
+        put(run, *record);
+      });
+    }
+    return;
+  }
   pool.parallel_for(static_cast<std::uint32_t>(chunks_),
-                    [&](std::uint32_t chunk) { cut_rows(static_cast<int>(chunk), frame, ends, rgb, kernels); });
+                    [&](std::uint32_t chunk) { collect(static_cast<int>(chunk), frame, ends, rgb, kernels); });
   pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard)); });
 }
 
+// Runs begin where `starts` says so, 64 pixels to a word of bits; hardly a branch depends on the image.
+template <typename Emit>
 void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
-                          const Kernels& kernels) {
+                          const Kernels& kernels, Emit&& emit) {
   const int width = sensor_->camera.width_px;
   const int first = chunk * kRowsPerChunk;
   const int last = std::min(first + kRowsPerChunk, sensor_->camera.height_px);
-  const std::size_t list = static_cast<std::size_t>(chunk) * kShards;
-  std::array<Run*, kShards> next;
-  for (std::size_t s = 0; s < kShards; ++s) next[s] = &runs_[(list + s) * runs_per_list_];
-  const auto lists = next;
   const auto& R = frame.rotation;
-
   std::array<std::uint8_t, hal::kMaxImageSide_px + 64> starts;
   std::fill(starts.begin() + width, starts.begin() + width + 64, std::uint8_t{0});  // nothing begins beyond the row
   alignas(64) std::array<std::uint32_t, hal::kMaxImageSide_px> block_ids;
@@ -68,6 +77,9 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
   row.origin[2] = frame.origin.z;
   row.nx_blocks = frame.nx_blocks;
   row.nxy_blocks = frame.nx_blocks * frame.ny_blocks;
+  row.block_id = block_ids.data();
+  row.place = places.data();
+  row.starts = starts.data();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     row.column[axis] = R[3 * axis];
     row.translation[axis] = frame.translation_m[axis];
@@ -77,73 +89,65 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
     for (std::size_t axis = 0; axis < 3; ++axis) row.row_part[axis] = R[3 * axis + 1] * slope + R[3 * axis + 2];
     const std::size_t offset = static_cast<std::size_t>(v * width);
     row.depth = ends.depth() + offset;
-    row.block_id = block_ids.data();
-    row.place = places.data();
     row.colour_flag = ends.colour_flags() + offset;
-    row.starts = starts.data();
     kernels.unproject_row(row);
-    cut_row(row, rgb != nullptr ? rgb + 3 * offset : nullptr, next);
+    const std::uint8_t* colours = rgb != nullptr ? rgb + 3 * offset : nullptr;
+    for (int u = 0; u < width; u += 64) {
+      std::uint64_t bits = 0;
+      for (int byte = 0; byte < 8; ++byte) {
+        std::uint64_t eight;
+        std::memcpy(&eight, starts.data() + u + 8 * byte, sizeof eight);
+        // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i by one of the factor's bits.
+        bits |= ((eight * 0x0102040810204080ULL) >> 56) << (8 * byte);
+      }
+      for (; bits != 0; bits &= bits - 1) {
+        const int begin = u + std::countr_zero(bits);
+        if (block_ids[static_cast<std::size_t>(begin)] == kNoBlock) continue;
+        std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
+        if (colours != nullptr) {
+          const std::uint8_t* colour = colours + 3 * begin;
+          rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 | static_cast<std::uint32_t>(colour[0]) |
+                       static_cast<std::uint32_t>(colour[1]) << 8 | static_cast<std::uint32_t>(colour[2]) << 16;
+        }
+        emit(Run{block_ids[static_cast<std::size_t>(begin)], rgb_flags, places[static_cast<std::size_t>(begin)]});
+      }
+    }
   }
+}
+
+void HitScatter::collect(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+                         const Kernels& kernels) {
+  const std::size_t list = static_cast<std::size_t>(chunk) * kShards;
+  std::array<Run*, kShards> next;
+  for (std::size_t s = 0; s < kShards; ++s) next[s] = &runs_[(list + s) * runs_per_list_];
+  const auto lists = next;
+  cut_rows(chunk, frame, ends, rgb, kernels, [&](const Run& run) { *next[run.block_id % kShards]++ = run; });
   for (std::size_t s = 0; s < kShards; ++s) run_counts_[list + s] = static_cast<std::uint32_t>(next[s] - lists[s]);
 }
 
-// Runs begin where `starts` says so, 64 pixels to a word of bits; hardly a branch depends on the image.
-void HitScatter::cut_row(const UnprojectRow& row, const std::uint8_t* rgb, std::array<Run*, kShards>& next) {
-  int begin = 0;
-  const auto close = [&](int end) {
-    const std::uint32_t id = row.block_id[begin];
-    std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
-    if (rgb != nullptr) {
-      const std::uint8_t* colour = rgb + 3 * begin;
-      rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 | static_cast<std::uint32_t>(colour[0]) |
-                   static_cast<std::uint32_t>(colour[1]) << 8 | static_cast<std::uint32_t>(colour[2]) << 16;
-    }
-    Run*& run = next[id % kShards];
-    *run = {id, rgb_flags, row.place[begin]};
-    run += id != kNoBlock ? 1 : 0;
-    begin = end;
-  };
-  for (int u = 0; u < row.width; u += 64) {
-    std::uint64_t bits = 0;
-    for (int byte = 0; byte < 8; ++byte) {
-      std::uint64_t eight;
-      std::memcpy(&eight, row.starts + u + 8 * byte, sizeof eight);
-      // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i by one of the factor's bits.
-      bits |= ((eight * 0x0102040810204080ULL) >> 56) << (8 * byte);
-    }
-    if (u == 0) bits &= ~std::uint64_t{1};
-    for (; bits != 0; bits &= bits - 1) close(u + std::countr_zero(bits));
+HitRecord& HitScatter::record_for(std::uint32_t block_id) {
+  std::uint32_t& index = record_of_block_[block_id];
+  if (index == 0) {
+    index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
+    HitRecord& fresh = records_[index - 1];
+    fresh.block_id = block_id;
+    fresh.consumed = 0;
+    fresh.flags.fill(0);
+    const std::size_t shard = block_id % kShards;
+    shard_records_[shard][shard_counts_[shard]++] = index - 1;
   }
-  close(row.width);
+  return records_[index - 1];
 }
 
 void HitScatter::scatter_shard(int shard) {
-  auto& list = shard_records_[static_cast<std::size_t>(shard)];
-  std::uint32_t& listed = shard_counts_[static_cast<std::size_t>(shard)];
   std::uint32_t last_id = kNoBlock;
   HitRecord* record = nullptr;
   for (int chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t which = static_cast<std::size_t>(chunk) * kShards + static_cast<std::size_t>(shard);
     const Run* run = &runs_[which * runs_per_list_];
     for (const Run* end = run + run_counts_[which]; run != end; ++run) {
-      if (run->block_id != last_id) {
-        last_id = run->block_id;
-        std::uint32_t& index = record_of_block_[last_id];
-        if (index == 0) {
-          index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
-          HitRecord& fresh = records_[index - 1];
-          fresh.block_id = last_id;
-          fresh.consumed = 0;
-          fresh.flags.fill(0);
-          list[listed++] = index - 1;
-        }
-        record = &records_[index - 1];
-      }
-      // Where no colour is known yet the run's is a proposal that counts only once the flag says so.
-      const std::uint8_t old_flags = record->flags[run->place];
-      std::uint32_t& colour = record->rgb[run->place];
-      colour = (old_flags & kColourFlag) != 0 ? colour : run->rgb_flags;
-      record->flags[run->place] = static_cast<std::uint8_t>(old_flags | (run->rgb_flags >> 24));
+      if (run->block_id != last_id) record = &record_for(last_id = run->block_id);
+      put(*run, *record);
     }
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into runs
 // of pixels that stay in one voxel; runs are dealt to shards by their block, and each shard walks its runs in pixel
-// order, so that the lowest pixel index colours a voxel whatever the number of threads.
+// order, so that the lowest pixel index colours a voxel whatever the number of threads. A single thread needs no shards.
 #pragma once
 
 #include <array>
@@ -59,10 +59,20 @@ class HitScatter {
     std::uint32_t rgb_flags;  ///< colour of the first pixel, flags in the highest byte
     std::uint32_t place;
   };
-  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
-                const Kernels& kernels);
-  static void cut_row(const UnprojectRow& row, const std::uint8_t* rgb, std::array<Run*, kShards>& next);
+  static void put(const Run& run, HitRecord& record) {
+    // Where no colour is known yet the run's is a proposal that counts only once the flag says so.
+    const std::uint8_t old_flags = record.flags[run.place];
+    std::uint32_t& colour = record.rgb[run.place];
+    colour = (old_flags & kColourFlag) != 0 ? colour : run.rgb_flags;
+    record.flags[run.place] = static_cast<std::uint8_t>(old_flags | (run.rgb_flags >> 24));
+  }
+  /// emit(Run) for every run of a chunk of rows that holds readings, in pixel order.
+  template <typename Emit>
+  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
+                Emit&& emit);
+  void collect(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels);
   void scatter_shard(int shard);
+  [[nodiscard]] HitRecord& record_for(std::uint32_t block_id);
 
   const SensorGeometry* sensor_;
   int chunks_;

@@ -24,10 +24,10 @@ RayEnds::RayEnds(const SensorGeometry& sensor, std::span<const std::uint16_t> sc
       height_(sensor.camera.height_px),
       stride_((width_ + 2 * kImagePadding + 31) / 32 * 32),
       carve_invalid_(carve_invalid),
-      mask_(sensor.camera.pixel_count(), std::min(mask_raw, sensor.far_raw)),
+      mask_is_one_row_(scan_mask.empty()),
+      mask_(mask_is_one_row_ ? static_cast<std::size_t>(width_) : sensor.camera.pixel_count(),
+            std::min(mask_raw, sensor.far_raw)),
       ends_(static_cast<std::size_t>(stride_ * (height_ + 2 * kImagePadding)) + 64U, 0),
-      row_bound_(sensor.camera.pixel_count()),
-      column_state_(sensor.camera.pixel_count()),
       colour_flags_(sensor.camera.pixel_count()),
       blind_(static_cast<std::size_t>((width_ + kBlindPadding) * height_), 0),
       row_counts_(static_cast<std::size_t>(height_)) {
@@ -71,14 +71,14 @@ void RayEnds::bound_by_rows(int first, int end) {
   for (int v = first; v < end; ++v) {
     if (row_counts_[static_cast<std::size_t>(v)].invalid == 0) continue;
     const std::uint16_t* row = depth_ + v * width_;
-    std::uint16_t* bound = row_bound_.data() + v * width_;
+    std::uint16_t* ends = ends_.data() + index(0, v);
     const std::uint8_t* blind = blind_.data() + v * (width_ + kBlindPadding);
     for (int u = next_blind(blind, 0); u < width_;) {
       int run_end = u + 1;
       while (run_end < width_ && row[run_end] == 0) ++run_end;
       std::uint16_t nearest = u > 0 ? row[u - 1] : kUnbounded;
       if (run_end < width_) nearest = std::min(nearest, row[run_end]);
-      std::fill(bound + u, bound + run_end, nearest);
+      std::fill(ends + u, ends + run_end, nearest);
       u = next_blind(blind, run_end);
     }
   }
@@ -98,17 +98,17 @@ int RayEnds::next_blind(const std::uint8_t* blind, int u) const {
 void RayEnds::bound_by_columns(int first, int end, const Kernels& kernels) {
   const int count = end - first;
   alignas(64) std::uint16_t last[kColumnsPerChunk];
-  // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order.
+  // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order. Until the upward pass
+  // is through, the ends of pixels without a reading hold the nearest bound found so far.
   std::fill(last, last + count, kUnbounded);
   for (int v = 0; v < height_; ++v) {
-    kernels.carry_down(depth_ + v * width_ + first, count, last, column_state_.data() + v * width_ + first);
+    kernels.carry_down(depth_ + v * width_ + first, count, last, ends_.data() + index(first, v));
   }
-  // Upwards: the reading below, and all four together. A row without an invalid pixel has no `along`, and needs none.
+  // Upwards: the reading below, and all four together.
   std::fill(last, last + count, kUnbounded);
   for (int v = height_ - 1; v >= 0; --v) {
-    const int offset = v * width_ + first;
-    kernels.bound_up({depth_ + offset, column_state_.data() + offset, row_bound_.data() + offset, mask_.data() + offset,
-                      count, sensor_->near_raw, last, ends_.data() + index(first, v)});
+    const std::uint16_t* mask = mask_.data() + (mask_is_one_row_ ? 0 : v * width_) + first;
+    kernels.bound_up({depth_ + v * width_ + first, mask, count, sensor_->near_raw, last, ends_.data() + index(first, v)});
   }
 }
 

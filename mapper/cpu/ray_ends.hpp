@@ -56,10 +56,9 @@ class RayEnds {
   int height_;
   int stride_;
   bool carve_invalid_;
+  bool mask_is_one_row_;  ///< the mask made from the intrinsics is the same everywhere
   std::vector<std::uint16_t> mask_;
   std::vector<std::uint16_t> ends_;
-  std::vector<std::uint16_t> row_bound_;     ///< nearest bounding reading along the row; kUnbounded if none
-  std::vector<std::uint16_t> column_state_;  ///< last reading above each pixel
   std::vector<std::uint8_t> colour_flags_;
   std::vector<std::uint8_t> blind_;  ///< 1 where there is no reading; rows are padded
   std::vector<RowCounts> row_counts_;

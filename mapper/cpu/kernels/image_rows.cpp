@@ -65,27 +65,25 @@ RowCounts classify_row(const ClassifyRow& row) {
   return counts;
 }
 
-void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* above) {
+void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends) {
   const std::uint16_t* __restrict d = depth;
   std::uint16_t* __restrict l = last;
-  std::uint16_t* __restrict a = above;
+  std::uint16_t* __restrict e = ends;
   for (int i = 0; i < count; ++i) {
-    a[i] = l[i];
+    const std::uint16_t nearest = e[i] < l[i] ? e[i] : l[i];
+    e[i] = d[i] != 0 ? e[i] : nearest;
     l[i] = d[i] != 0 ? d[i] : l[i];
   }
 }
 
 void bound_up(const BoundRow& row) {
   const std::uint16_t* __restrict depth = row.depth;
-  const std::uint16_t* __restrict above = row.above;
-  const std::uint16_t* __restrict along = row.along;
   const std::uint16_t* __restrict mask = row.mask;
   std::uint16_t* __restrict last = row.last;
   std::uint16_t* __restrict ends = row.ends;
   const std::uint16_t near_raw = row.near_raw;
   for (int i = 0; i < row.count; ++i) {
-    const std::uint16_t vertical = above[i] < last[i] ? above[i] : last[i];
-    const std::uint16_t nearest = vertical < along[i] ? vertical : along[i];
+    const std::uint16_t nearest = ends[i] < last[i] ? ends[i] : last[i];
     const std::uint16_t capped = mask[i] < nearest ? mask[i] : nearest;
     const bool carves = (nearest != kUnbounded) & (nearest >= near_raw);
     const std::uint16_t weak = carves ? capped : std::uint16_t{0};

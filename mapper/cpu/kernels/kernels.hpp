@@ -63,13 +63,11 @@ inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the 
 /// One row of the upward pass over columns: pixels without a reading get their weak end.
 struct BoundRow {
   const std::uint16_t* depth;
-  const std::uint16_t* above;  ///< last reading above each pixel, from carry_down
-  const std::uint16_t* along;  ///< nearest reading beside the run; valid where depth is 0
   const std::uint16_t* mask;   ///< free scan mask
   int count;
   std::uint16_t near_raw;
   std::uint16_t* last;         ///< last reading below, carried upwards
-  std::uint16_t* ends;
+  std::uint16_t* ends;         ///< in: nearest reading beside or above, where there is none here; out: the weak end
 };
 
 /// Everything that is the same for all blocks of a frame in the projective test.
@@ -175,8 +173,8 @@ struct BoxBounds {
 struct Kernels {
   const char* name;
   RowCounts (*classify_row)(const ClassifyRow&);
-  /// above = last; last = the reading where there is one.
-  void (*carry_down)(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* above);
+  /// Where there is no reading: ends = min(ends, last). Where there is one: last = it.
+  void (*carry_down)(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends);
   void (*bound_up)(const BoundRow&);
   void (*unproject_row)(const UnprojectRow&);
   /// out[x] = max(a[x], a[x + shift], b[x], b[x + shift]) for x in [0, count).

@@ -7,7 +7,7 @@
 namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
 
 RowCounts classify_row(const ClassifyRow& row);
-void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* above);
+void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends);
 void bound_up(const BoundRow& row);
 void unproject_row(const UnprojectRow& row);
 void max_filter_row(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
