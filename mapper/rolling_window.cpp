@@ -323,6 +323,7 @@ void RollingWindow::on_stored(std::uint32_t index, bool ok) {
     return;
   }
   if (state.touched) {  // what was stored is no longer true
+    ++counts_.taken_back;
     pager_.submit(PageJob::abandon, index);
     return;
   }

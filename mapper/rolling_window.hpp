@@ -38,6 +38,7 @@ struct WindowCounts {
   std::uint64_t regions_in = 0;
   std::uint64_t blocks_out = 0;
   std::uint64_t blocks_in = 0;
+  std::uint64_t taken_back = 0;         ///< changed while they were being stored: they stayed
   std::uint64_t late_regions = 0;       ///< seen while they were on disk
   std::uint64_t no_room = 0;            ///< came back, but the pools had no room: still on disk
   std::uint64_t failed_stores = 0;      ///< those regions stay in memory

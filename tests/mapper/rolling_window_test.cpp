@@ -217,6 +217,23 @@ TEST_CASE("in real time the mapper never waits, and nothing is lost", "[mapper][
   CHECK(known == Approx(static_cast<double>(unlimited.mapper.map().counts().known())).epsilon(0.02));
 }
 
+TEST_CASE("a region that changes while it is being stored stays as it is now", "[mapper][window][threads]") {
+  Walk unlimited(kPlenty);
+  Walk paged(kPlenty);
+  auto file = std::make_unique<MemoryPageFile>();
+  file->delay_us = 30'000;
+  paged.open_window(std::move(file), {.radius_m = 0.0, .lockstep = false});
+  // Here, far away (what is here begins to leave), and here again before the disk is done.
+  for (const int place : {0, 1, 2, 100, 2, 3, 4}) {
+    unlimited.step(unlimited.walk.pose(place));
+    paged.step(paged.walk.pose(place));
+  }
+  const std::string hash = paged.hash();
+  CHECK(paged.window->counts().taken_back > 0);
+  CHECK(paged.window->store().file_bytes() > 0);
+  CHECK(hash == unlimited.hash());
+}
+
 TEST_CASE("a day of walking keeps memory flat", "[.soak][window]") {
   const auto resident_pages = [] {
     long total = 0;
