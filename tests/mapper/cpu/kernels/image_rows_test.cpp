@@ -39,6 +39,13 @@ Row random_row(Random& random, int width) {
   return row;
 }
 
+/// Readings that bound a run, or none.
+Row random_bounds(Random& random, int width) {
+  Row row = random_row(random, width);
+  for (std::uint16_t& raw : row) raw = raw == 0 || random.below(3) == 0 ? kUnbounded : raw;
+  return row;
+}
+
 std::vector<int> lengths() { return {1, 2, 3, 7, 8, 15, 16, 17, 31, 32, 33, 63, 64, 65, 100, 159, 160, 333}; }
 
 bool on_one_surface(int a, int b) { return std::abs(a - b) <= std::min(a, b) / 32 + std::min(a, b) / 128; }
@@ -86,46 +93,42 @@ TEST_CASE("classify_row says what each reading is, and where a depth edge forbid
   }
 }
 
-TEST_CASE("carry_down hands on the last reading above each pixel") {
+TEST_CASE("carry_down bounds each blind pixel by the last reading above it") {
   Random random(2);
   for (const int width : lengths()) {
-    const Row row = random_row(random, width);
-    const Row last = random_row(random, width);
+    const Row depth = random_row(random, width);
+    const Row above = random_bounds(random, width);
+    const Row beside = random_bounds(random, width);
     for (const Kernels* kernels : test::kernel_variants()) {
-      Row carried = last;
-      Row above(last.size(), kUntouched);
-      kernels->carry_down(row.data(), width, carried.data(), above.data());
-      REQUIRE(above == last);
-      for (std::size_t i = 0; i < row.size(); ++i) REQUIRE(carried[i] == (row[i] != 0 ? row[i] : last[i]));
+      Row last = above;
+      Row ends = beside;
+      kernels->carry_down(depth.data(), width, last.data(), ends.data());
+      for (std::size_t i = 0; i < depth.size(); ++i) {
+        REQUIRE(ends[i] == (depth[i] != 0 ? beside[i] : std::min(beside[i], above[i])));
+        REQUIRE(last[i] == (depth[i] != 0 ? depth[i] : above[i]));
+      }
     }
   }
 }
 
-TEST_CASE("bound_up takes the nearest of four bounds, and nothing if there is none or it is too near") {
+TEST_CASE("bound_up takes the nearest of all bounds, and nothing if there is none or it is too near") {
   Random random(3);
-  const auto bound = [&](int width) {
-    Row row = random_row(random, width);
-    for (std::uint16_t& raw : row) raw = raw == 0 || random.below(3) == 0 ? kUnbounded : raw;
-    return row;
-  };
   for (const int width : lengths()) {
     for (int round = 0; round < 6; ++round) {
       const Row depth = random_row(random, width);
-      const Row above = bound(width);
-      const Row along = bound(width);
-      const Row below = bound(width);
+      const Row so_far = random_bounds(random, width);
+      const Row below = random_bounds(random, width);
       Row mask = random_row(random, width);
       for (std::uint16_t& raw : mask) raw = std::min(raw, kFar);
       for (const Kernels* kernels : test::kernel_variants()) {
         Row last = below;
-        Row ends(depth.size(), kUntouched);
-        kernels->bound_up(
-            {depth.data(), above.data(), along.data(), mask.data(), width, kNear, last.data(), ends.data()});
+        Row ends = so_far;
+        kernels->bound_up({depth.data(), mask.data(), width, kNear, last.data(), ends.data()});
         for (std::size_t i = 0; i < depth.size(); ++i) {
-          const std::uint16_t nearest = std::min({above[i], along[i], below[i]});
+          const std::uint16_t nearest = std::min(so_far[i], below[i]);
           const bool carves = nearest != kUnbounded && nearest >= kNear;
           const std::uint16_t weak = carves ? std::min(nearest, mask[i]) : std::uint16_t{0};
-          REQUIRE(ends[i] == (depth[i] != 0 ? kUntouched : weak));
+          REQUIRE(ends[i] == (depth[i] != 0 ? so_far[i] : weak));
           REQUIRE(last[i] == (depth[i] != 0 ? depth[i] : below[i]));
         }
       }
