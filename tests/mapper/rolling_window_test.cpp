@@ -127,7 +127,7 @@ TEST_CASE("the window shrinks before a pool refuses", "[mapper][window]") {
   CHECK(paged.hash() == unlimited.hash());
 }
 
-TEST_CASE("nothing thrashes: a camera that stays or sways moves no region twice", "[mapper][window][threads]") {
+TEST_CASE("nothing thrashes: a camera that stays or sways moves no region twice", "[mapper][window]") {
   Walk paged(kPlenty);
   paged.open_window(std::make_unique<MemoryPageFile>(), {.radius_m = 6.0});
   paged.go(130);
@@ -200,12 +200,12 @@ TEST_CASE("a region that was spoiled on disk is reported, the others are there",
 
 TEST_CASE("in real time the mapper never waits, and nothing is lost", "[mapper][window][threads]") {
   Walk unlimited(kPlenty);
-  unlimited.go(320);
+  unlimited.go(220);
   Walk paged(kPlenty);
   auto file = std::make_unique<MemoryPageFile>();
   file->delay_us = GENERATE(0, 300);
   paged.open_window(std::move(file), {.radius_m = 0.0, .lockstep = false});
-  paged.go(320);
+  paged.go(220);
   const std::string hash = paged.hash();
   const WindowCounts& counts = paged.window->counts();
   CHECK(counts.regions_out > 0);
