@@ -52,11 +52,16 @@ class BlockUpdater {
     return slot != kNoSlot && map_->header(slot).plane == kNoSlot && map_->header(slot).uniform_level == 0;
   }
 
+  /// The 512 levels of a dense block, nullptr if there is no such block or it is uniform.
+  [[nodiscard]] const std::uint8_t* levels_of(std::uint32_t slot) const {
+    if (slot == kNoSlot || map_->header(slot).plane == kNoSlot) return nullptr;
+    return map_->plane(map_->header(slot).plane).data();
+  }
+
   /// Brings a block's levels closer while others are computed.
   void prefetch(std::uint32_t slot) const {
-    if (slot == kNoSlot || map_->header(slot).plane == kNoSlot) return;
-    const std::uint8_t* levels = map_->plane(map_->header(slot).plane).data();
-    for (int line = 0; line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
+    const std::uint8_t* levels = levels_of(slot);
+    for (int line = 0; levels != nullptr && line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
   }
 
   /// A block whose every voxel was seen through. `is_strong(place)` is asked for occupied voxels only.

@@ -88,7 +88,7 @@ void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& 
 }
 
 bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, const VisibleBlocks& visible,
-                      const BlockView& block, FreeFlags& flags) const {
+                      const BlockView& block, const std::uint8_t* levels, FreeFlags& flags) const {
   const SensorGeometry& sensor = work.sensor;
   ProjectBrick brick{};
   brick.tables = &tables_;
@@ -107,7 +107,12 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
   std::copy(numbers.reach_px_m.begin(), numbers.reach_px_m.end(), brick.reach_px_m);
   bool any = false;
   const std::array<BlockClass, kBricksPerBlock> classes = visible.classify_bricks(block);
+  static constexpr std::array<std::uint8_t, kBrickVoxels> kAllFree{};
   for (int first = 0; first < kBlockVoxels; first += kBrickVoxels) {
+    if (levels != nullptr && std::memcmp(levels + first, kAllFree.data(), kBrickVoxels) == 0) {
+      std::memset(flags.data() + first, 0, kBrickVoxels);
+      continue;
+    }
     const BlockClass found = classes[static_cast<std::size_t>(first / kBrickVoxels)];
     if (found == BlockClass::hidden || found == BlockClass::all_free) {
       std::memset(flags.data() + first, found == BlockClass::all_free ? kWeakFree : 0, kBrickVoxels);
@@ -182,7 +187,7 @@ void Projective::offer(const FrameWork& work) {
         return;
       }
       alignas(64) FreeFlags flags;
-      if (look(work, numbers, visible, block, flags)) {
+      if (look(work, numbers, visible, block, work.updater.levels_of(slot), flags)) {
         work.updater.offer_some_free(chunk, key, flags, hits, strong);
       } else if (hits != nullptr) {
         work.updater.offer_hits(chunk, key, *hits);

@@ -43,9 +43,10 @@ class Projective final : public FreeSpace {
   void offer(const FrameWork& work) override;
 
  private:
-  /// Flags of a block that has to be looked at voxel by voxel; false if none is free.
+  /// Flags of a block that has to be looked at voxel by voxel; false if none is free. `levels` of the block, or nullptr:
+  /// bricks that are known to be free already are passed over, as nothing can change there.
   [[nodiscard]] bool look(const FrameWork& work, const ProjectiveFrame& numbers, const VisibleBlocks& visible,
-                          const BlockView& block, FreeFlags& flags) const;
+                          const BlockView& block, const std::uint8_t* levels, FreeFlags& flags) const;
   /// Is the voxel free by measured rays alone? The slow, plain way: few voxels need it.
   [[nodiscard]] bool is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
                                int place) const;
