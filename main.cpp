@@ -69,6 +69,11 @@ void add_mapping_options(CLI::App& command, MappingOptions& options) {
   command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));
   command.add_option("--window", options.window_m, "Keep what is farther than this many metres on disk; 0: nothing")
       ->check(CLI::Range(0.0, 1000.0));
+  command.add_option("--footprint", options.footprint,
+                     "The robot's cylinder RADIUS,HEIGHT in metres, or 'board': free where it starts");
+  command.add_option("--checkpoint", options.checkpoint_s, "Save map.g3d every so many seconds as well; 0: at the end")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   command.add_option("--mask", options.mask_path, "Free scan mask, a picture made by g3dmap mask");
   command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
   command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");

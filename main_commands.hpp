@@ -25,6 +25,8 @@ struct MappingOptions {
   std::optional<int> threads;
   std::optional<int> memory_mb;    ///< what the map may grow to
   std::optional<double> window_m;  ///< what is farther from the camera is paged out; 0: nothing
+  std::string footprint;           ///< "RADIUS,HEIGHT" in metres, or "board"; empty: nothing is taken as free
+  double checkpoint_s = 0.0;       ///< save map.g3d this often while mapping; 0: at the end only
   std::string mapper = "auto";
   std::uint64_t seed = 1;
   double rate = 0.0;  ///< 0: lockstep

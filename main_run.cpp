@@ -10,7 +10,6 @@
 #include <memory>
 #include <utility>
 
-#include "board/board_file.hpp"
 #include "hal/clock.hpp"
 #include "hal/image/file_bytes.hpp"
 #include "hal/replay/recorded_poses.hpp"
@@ -20,6 +19,8 @@
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/sim_camera.hpp"
 #include "main_commands.hpp"
+#include "main_setup.hpp"
+#include "mapper/files/checkpoint.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
 #include "mapper/pipeline.hpp"
@@ -62,50 +63,16 @@ int fail(const std::string& text) {
   return kExitFailed;
 }
 
+int bad_usage(const std::string& text) {
+  (void)fail(text);
+  return kExitBadUsage;
+}
+
 struct Source {
   hal::DepthCamera& camera;
   const hal::PoseSource& poses;
   std::vector<std::string> notes;
 };
-
-/// The board of the file, or the built-in one, with what the command line says instead.
-hal::Result<board::Board> effective_board(const MappingOptions& options) {
-  hal::Result<board::Board> loaded =
-      options.board_path.empty() ? board::Board{} : board::load_board(options.board_path);
-  if (!loaded) return loaded;
-  board::Board& board = loaded.value();
-  board.map_resolution_m = options.resolution_m.value_or(board.map_resolution_m);
-  board.map_integrator = options.integrator.value_or(board.map_integrator);
-  board.map_mode = options.mode.value_or(board.map_mode);
-  board.map_threads = options.threads.value_or(board.map_threads);
-  board.map_memory_mb = options.memory_mb.value_or(board.map_memory_mb);
-  board.map_window_radius_m = options.window_m.value_or(board.map_window_radius_m);
-  return loaded;
-}
-
-mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptions& options) {
-  mapper::MapperConfig config;
-  config.resolution_m = static_cast<float>(board.map_resolution_m);
-  config.integrator = *mapper::integrator_from_string(board.map_integrator);
-  config.mode = *mapper::mode_from_string(board.map_mode);
-  config.steps = {static_cast<std::uint8_t>(board.map_hit), static_cast<std::uint8_t>(board.map_miss)};
-  config.near_m = static_cast<float>(board.map_near_m);
-  config.far_m = static_cast<float>(board.map_far_m);
-  config.with_colour = !options.no_colour;
-  config.threads = board.map_threads;
-  config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(board.map_memory_mb) * 1'000'000);
-  return config;
-}
-
-hal::CameraModel camera_model(const board::Board& board) {
-  return {.width_px = board.camera_width_px,
-          .height_px = board.camera_height_px,
-          .fx_px = static_cast<float>(board.camera_fx_px),
-          .fy_px = static_cast<float>(board.camera_fy_px),
-          .cx_px = static_cast<float>(board.camera_cx_px),
-          .cy_px = static_cast<float>(board.camera_cy_px),
-          .depth_units_per_metre = static_cast<float>(board.camera_depth_units_per_metre)};
-}
 
 hal::Result<void> make_folder(const std::string& path) {
   std::error_code code;
@@ -177,9 +144,18 @@ mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::Bl
   return report;
 }
 
+std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
+  if (checkpoint.failed_saves() == 0) return fmt::format("{} checkpoints were saved meanwhile", checkpoint.saves());
+  return fmt::format("{} checkpoints were saved meanwhile, {} failed, the first one: {}", checkpoint.saves(),
+                     checkpoint.failed_saves(), checkpoint.first_error());
+}
+
 /// What every mapping command does once it has a camera and poses.
 int map_source(Source source, const board::Board& board, const MappingOptions& options,
                const std::string& command_line) {
+  if (options.checkpoint_s > 0.0 && board.map_window_radius_m > 0.0) {
+    return bad_usage("--checkpoint saves what is in memory, so it does not go with --window; give one of them");
+  }
   if (options.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
   if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
   const std::string trajectory_path = options.out_dir + "/trajectory.tum";
@@ -200,11 +176,21 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   auto made_window = make_window(mapper, source.camera.model(), board, options);
   if (!made_window) return fail(made_window.error().text);
   const std::unique_ptr<mapper::RollingWindow> window = std::move(made_window).value();
+  const auto footprint = start_footprint(board, options);
+  if (!footprint) return bad_usage(footprint.error().text);
   mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock,
-                            {.rate = options.rate, .window = window.get()});
+                            {.rate = options.rate, .window = window.get(), .footprint = footprint.value()});
   catch_stop_signals(pipeline);
+  std::unique_ptr<mapper::Checkpoint> checkpoint;
+  if (options.checkpoint_s > 0.0) {
+    checkpoint = std::make_unique<mapper::Checkpoint>(
+        mapper.map(), mapper::CheckpointConfig{.period_s = options.checkpoint_s,
+                                               .path = options.out_dir + "/map.g3d",
+                                               .meta = {.T_world_map = {}, .steps = mapper.config().steps}});
+  }
   const hal::TimeNs start_ns = clock.now();
   pipeline.run();
+  if (checkpoint != nullptr) checkpoint->stop();
   const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
   running_pipeline.store(nullptr);
 
@@ -234,6 +220,7 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
                     "g3dmap export {}/map.g3d --to FILE where there is more memory",
                     board.map_memory_mb, options.out_dir));
   }
+  if (checkpoint != nullptr) report.notes.push_back(checkpoint_note(*checkpoint));
   if (const std::string error = source.camera.last_error(); !error.empty()) report.notes.push_back(error);
 
   std::vector<hal::Pose> poses;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "mapper/rolling_window.hpp"
 
@@ -180,6 +181,10 @@ void Pipeline::integrate(const PosedMessage& message) {
   const hal::TimeNs start_ns = clock_.now();
   MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, {}};
   if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
+  if (config_.footprint && !std::exchange(footprint_freed_, true)) {
+    const hal::Pose T_world_base = hal::compose(mapped.T_world_camera, hal::inverse(config_.footprint->T_base_camera));
+    mapper_.free_footprint(T_world_base.translation_m, config_.footprint->radius_m, config_.footprint->height_m);
+  }
   mapped.report = mapper_.integrate(frame, mapped.T_world_camera);
   if (mapped.report.status == FrameStatus::out_of_range) {
     drop(hal::DropReason::out_of_range);

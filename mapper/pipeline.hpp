@@ -53,10 +53,18 @@ class FrameSink {
   virtual void on_progress(const Progress& progress) = 0;
 };
 
+/// The robot stands where it starts, so that place is free: its cylinder, wherever the first frame's pose puts it.
+struct StartFootprint {
+  double radius_m = 0.0;
+  double height_m = 0.0;
+  hal::Pose T_base_camera;
+};
+
 struct PipelineConfig {
   double rate = 0.0;                ///< 0: lockstep. Else real time, the data's clock running this many times as fast
   int frames_under_way = 4;         ///< 1..64, besides the one that the camera is filling
   RollingWindow* window = nullptr;  ///< if the map may be larger than memory; its lockstep must be ours
+  std::optional<StartFootprint> footprint = std::nullopt;
 };
 
 enum class Stage : std::uint8_t {
@@ -126,6 +134,7 @@ class Pipeline {
 
   std::atomic<bool> stop_requested_{false};
   bool interrupted_ = false;                                                 // camera thread
+  bool footprint_freed_ = false;                                             // mapper thread
   std::optional<hal::TimeNs> last_stamp_ns_;                                 // pose thread
   std::optional<hal::TimeNs> schedule_stamp_ns_;                             // camera thread: this stamp was due ...
   hal::TimeNs schedule_start_ns_ = 0;                                        // ... at this time

@@ -165,6 +165,27 @@ TEST_CASE("one stamp from the far future does not condemn the frames after it", 
   CHECK(rig.dropped(DropReason::no_pose) == 1);
 }
 
+TEST_CASE("the robot's place is free where its first frame puts it", "[mapper][pipeline][threads]") {
+  // The camera, 1 m up, stands 0.2 m ahead of the base's centre; turned like the poses, so only the shift remains.
+  const hal::Pose T_base_camera = hal::from_xyz_rpy(0.2, 0, 1, -1.57, 0, -1.57);
+  Rig rig(regular(20), {.footprint = mapper::StartFootprint{0.25, 0.5, T_base_camera}});
+  rig.pipeline.run();
+  const mapper::VoxelMap& map = rig.mapper.map();
+  const auto state = [&](float x, float y, float z) {
+    const auto index = [&](float metres) { return map.grid().to_index(metres); };
+    return mapper::state_of(map.at(mapper::VoxelIndex{index(x), index(y), index(z)}));
+  };
+  CHECK(state(-0.2F, 0.0F, 0.25F) == mapper::State::free);
+  CHECK(state(-0.4F, 0.0F, 0.25F) == mapper::State::free);
+  CHECK(state(-0.2F, 0.2F, 0.45F) == mapper::State::free);
+  CHECK(state(-0.65F, 0.0F, 0.25F) == mapper::State::unknown);
+  CHECK(state(0.25F, 0.0F, 0.25F) == mapper::State::unknown);
+  CHECK(state(-0.2F, 0.0F, 0.75F) == mapper::State::unknown);
+  Rig without(regular(20));
+  without.pipeline.run();
+  CHECK(rig.mapper.map().counts().free > without.mapper.map().counts().free);
+}
+
 TEST_CASE("a stop request finishes what is under way and counts it", "[mapper][pipeline][threads]") {
   Rig rig(regular(1000));
   rig.camera.before_read = [&](std::size_t n) {

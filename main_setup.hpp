@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the board and the command line say together, as the configurations of the parts.
+#pragma once
+
+#include <optional>
+
+#include "board/board.hpp"
+#include "hal/messages.hpp"
+#include "hal/result.hpp"
+#include "main_commands.hpp"
+#include "mapper/mapper.hpp"
+#include "mapper/pipeline.hpp"
+
+namespace g3d {
+
+/// The board of the file, or the built-in one, with what the command line says instead.
+[[nodiscard]] hal::Result<board::Board> effective_board(const MappingOptions& options);
+[[nodiscard]] mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptions& options);
+[[nodiscard]] hal::CameraModel camera_model(const board::Board& board);
+/// None if the command line asks for none. The error is one of usage.
+[[nodiscard]] hal::Result<std::optional<mapper::StartFootprint>> start_footprint(const board::Board& board,
+                                                                                 const MappingOptions& options);
+
+}  // namespace g3d
