@@ -2,6 +2,8 @@
 #include "tests/support/run_program.hpp"
 
 #include <fcntl.h>
+#include <grp.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,9 +38,21 @@ std::string read_and_remove(const std::string& path) {
   return text;
 }
 
+/// In the child, before exec.
+bool confine(const Confinement& confinement) {
+  if (confinement.file_size_bytes > 0) {
+    const rlimit limit{confinement.file_size_bytes, confinement.file_size_bytes};
+    std::signal(SIGXFSZ, SIG_IGN);  // then write() fails with EFBIG
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
+  }
+  constexpr id_t kNobody = 65534;
+  if (!confinement.no_root || geteuid() != 0) return true;
+  return setgroups(0, nullptr) == 0 && setgid(kNobody) == 0 && setuid(kNobody) == 0;
+}
+
 }  // namespace
 
-Program::Program(const std::string& path, const std::vector<std::string>& arguments)
+Program::Program(const std::string& path, const std::vector<std::string>& arguments, const Confinement& confinement)
     : out_path_(new_temporary_file()), err_path_(new_temporary_file()) {
   std::vector<char*> argv{const_cast<char*>(path.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -50,7 +64,10 @@ Program::Program(const std::string& path, const std::vector<std::string>& argume
     dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
     dup2(open(out_path_.c_str(), O_WRONLY | O_TRUNC), STDOUT_FILENO);
     dup2(open(err_path_.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
-    execv(argv[0], argv.data());
+    // Opened before the rights go: nobody may have no way into the folder where the program lies.
+    const int program = open(argv[0], O_RDONLY | O_CLOEXEC);
+    if (!confine(confinement)) _exit(126);
+    fexecve(program, argv.data(), environ);
     _exit(127);
   }
 }
@@ -91,8 +108,8 @@ std::string g3dmap_path() {
   return path != nullptr && *path != '\0' ? path : "build/host/g3dmap";
 }
 
-ProgramResult run_g3dmap(const std::vector<std::string>& arguments) {
-  return Program(g3dmap_path(), arguments).finish();
+ProgramResult run_g3dmap(const std::vector<std::string>& arguments, const Confinement& confinement) {
+  return Program(g3dmap_path(), arguments, confinement).finish();
 }
 
 }  // namespace g3d::test

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,17 @@ struct ProgramResult {
   std::string err;  ///< standard error
 };
 
+/// What a program is not allowed to do.
+struct Confinement {
+  bool no_root = false;               ///< runs as nobody if this process is root: root may write everywhere
+  std::uint64_t file_size_bytes = 0;  ///< no file may grow beyond this; 0: any may
+};
+
 /// A started program; one that still runs at the end of its scope is killed.
 class Program {
  public:
   /// `arguments` without the program's name.
-  Program(const std::string& path, const std::vector<std::string>& arguments);
+  Program(const std::string& path, const std::vector<std::string>& arguments, const Confinement& confinement = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -42,6 +49,6 @@ class Program {
 
 /// The program under test, from the environment variable G3DMAP_EXE; build/host/g3dmap without it.
 [[nodiscard]] std::string g3dmap_path();
-ProgramResult run_g3dmap(const std::vector<std::string>& arguments);
+ProgramResult run_g3dmap(const std::vector<std::string>& arguments, const Confinement& confinement = {});
 
 }  // namespace g3d::test
