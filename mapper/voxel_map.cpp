@@ -54,6 +54,10 @@ std::uint32_t VoxelMap::table_place(BlockKey key) const {
 
 std::uint32_t VoxelMap::find(BlockKey key) const { return table_[table_place(key)] - 1; }  // 0 - 1 == kNoSlot
 
+void VoxelMap::prefetch(BlockKey key) const {
+  __builtin_prefetch(&table_[static_cast<std::uint32_t>(mix(key)) & table_mask_]);
+}
+
 std::uint32_t VoxelMap::find_or_insert(BlockKey key) {
   const std::uint32_t place = table_place(key);
   if (table_[place] != 0) return table_[place] - 1;

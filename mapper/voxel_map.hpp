@@ -106,6 +106,8 @@ class VoxelMap {
 
   // For integrators: slots are stable until erase_block().
   [[nodiscard]] std::uint32_t find(BlockKey key) const;
+  /// Brings the place where find() will look closer.
+  void prefetch(BlockKey key) const;
   /// kNoSlot when the pool is full. A new block is uniform unknown.
   std::uint32_t find_or_insert(BlockKey key);
   [[nodiscard]] BlockHeader& header(std::uint32_t slot) { return headers_[slot]; }

@@ -58,10 +58,20 @@ class BlockUpdater {
     return map_->plane(map_->header(slot).plane).data();
   }
 
-  /// Brings a block's levels closer while others are computed.
-  void prefetch(std::uint32_t slot) const {
+  /// Brings closer what an update of this block will touch, while others are computed.
+  void prefetch(BlockKey key, std::uint32_t slot, bool with_bricks) const {
+    if (slot == kNoSlot) {
+      map_->prefetch(key);
+      return;
+    }
     const std::uint8_t* levels = levels_of(slot);
     for (int line = 0; levels != nullptr && line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
+    if (!with_bricks) return;
+    for (const std::uint32_t brick : map_->header(slot).bricks) {
+      if (brick == kNoSlot) continue;
+      const std::uint8_t* colours = map_->brick(brick).data();
+      for (int line = 0; line < 3 * kBrickVoxels; line += 64) __builtin_prefetch(colours + line, 1);
+    }
   }
 
   /// A block whose every voxel was seen through. `is_strong(place)` is asked for occupied voxels only.

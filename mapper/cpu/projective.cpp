@@ -180,7 +180,7 @@ void Projective::offer(const FrameWork& work) {
       return hits != nullptr || !work.updater.is_settled(slot);
     };
     visible.for_chunk(chunk, wants, [&](const BlockView& block, BlockClass found) {
-      work.updater.prefetch(slot);
+      work.updater.prefetch(key, slot, hits != nullptr);
       const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
       if (found == BlockClass::all_free) {
         work.updater.offer_all_free(chunk, key, hits, strong);
