@@ -200,10 +200,10 @@ void walk_bresenham(const RayRow& row) {
     const bool y_drives = !x_drives & (ny >= nz);
     const std::int32_t along = x_drives ? nx : (y_drives ? ny : nz);
     const std::int32_t first = x_drives ? ny : nx;
-    const std::int32_t second = x_drives | y_drives ? nz : ny;
+    const std::int32_t second = (x_drives | y_drives) ? nz : ny;
     stride[0][lane] = x_drives ? sx : (y_drives ? sy : sz);
     stride[1][lane] = x_drives ? sy : sx;
-    stride[2][lane] = x_drives | y_drives ? sz : sy;
+    stride[2][lane] = (x_drives | y_drives) ? sz : sy;
     error[0][lane] = 2 * first - along;
     error[1][lane] = 2 * second - along;
     gain[0][lane] = 2 * first;
