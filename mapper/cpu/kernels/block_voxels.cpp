@@ -15,7 +15,11 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
     const bool projects = z_low > b.near_plane_m;
     const float inverse_low = 1.0F / (projects ? z_low : 1.0F);
     const float inverse_high = 1.0F / (projects ? z_high : 1.0F);
-    const float reach_px = b.window_px_m * inverse_low + 2.0F;
+    // A window of w pixels has a side of at most 1.13 w after rounding to cells of at most 0.27 w, and its middle is off by
+    // half a cell: 0.7 w to each side. Across the image's border the voxel's own silhouette counts as well.
+    const float window_px = b.window_px_m * inverse_low;
+    const float near_px = 0.7F * window_px + 1.5F;
+    const float reach_px = 1.5F * window_px + 2.0F;
     const float x_low = boxes.x_m[i] - b.half_x_m;
     const float x_high = boxes.x_m[i] + b.half_x_m;
     const float y_low = boxes.y_m[i] - b.half_y_m;
@@ -29,10 +33,11 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
     const bool within = (left >= 0.0F) & (right <= b.last_u_px) & (top >= 0.0F) & (bottom <= b.last_v_px);
     boxes.hidden[i] = (z_high <= 0.0F) | (z_low > b.far_m) | (projects & beside) ? 1 : 0;
     boxes.inside[i] = projects & within ? 1 : 0;
-    const float u0 = std::min(std::max(left - reach_px, 0.0F), b.last_u_px);
-    const float v0 = std::min(std::max(top - reach_px, 0.0F), b.last_v_px);
-    const float u1 = std::min(std::max(right + reach_px, 0.0F), b.last_u_px);
-    const float v1 = std::min(std::max(bottom + reach_px, 0.0F), b.last_v_px);
+    const float around_px = within ? near_px : reach_px;
+    const float u0 = std::min(std::max(left - around_px, 0.0F), b.last_u_px);
+    const float v0 = std::min(std::max(top - around_px, 0.0F), b.last_v_px);
+    const float u1 = std::min(std::max(right + around_px, 0.0F), b.last_u_px);
+    const float v1 = std::min(std::max(bottom + around_px, 0.0F), b.last_v_px);
     boxes.u0[i] = static_cast<std::int32_t>(projects ? u0 : 0.0F);
     boxes.v0[i] = static_cast<std::int32_t>(projects ? v0 : 0.0F);
     boxes.u1[i] = static_cast<std::int32_t>(projects ? u1 : b.last_u_px);
