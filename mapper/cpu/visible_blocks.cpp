@@ -88,10 +88,13 @@ BlockClass VisibleBlocks::decide(const BoxBounds& boxes, int i, const BoxView& v
   const float farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
   if (ends.max == 0 || farthest_m < boxes.z_m[i] - view.half_z_m) return BlockClass::hidden;
   const bool is_inside = boxes.inside[i] != 0;
-  const float nearest_m = static_cast<float>(ends.min) * sensor_->metres_per_unit;
+  if (!is_inside) return BlockClass::look_at_border;
+  // Every window contains its voxel's own pixel: if the rays of all these reach beyond the cube, all voxels are free.
   const float behind_m = boxes.z_m[i] + view.half_z_m + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit;
-  if (is_inside && nearest_m > behind_m) return BlockClass::all_free;
-  return is_inside ? BlockClass::look : BlockClass::look_at_border;
+  if (farthest_m <= behind_m) return BlockClass::look;
+  const DepthPyramid::Range own =
+      pyramid_->range(boxes.centre_u0[i], boxes.centre_v0[i], boxes.centre_u1[i], boxes.centre_v1[i]);
+  return static_cast<float>(own.min) * sensor_->metres_per_unit > behind_m ? BlockClass::all_free : BlockClass::look;
 }
 
 }  // namespace g3d::mapper::cpu

@@ -38,6 +38,11 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
     const float v0 = std::min(std::max(top - around_px, 0.0F), b.last_v_px);
     const float u1 = std::min(std::max(right + around_px, 0.0F), b.last_u_px);
     const float v1 = std::min(std::max(bottom + around_px, 0.0F), b.last_v_px);
+    const bool whole = projects & within;
+    boxes.centre_u0[i] = static_cast<std::int32_t>(whole ? left : 0.0F);
+    boxes.centre_v0[i] = static_cast<std::int32_t>(whole ? top : 0.0F);
+    boxes.centre_u1[i] = static_cast<std::int32_t>(whole ? std::min(right + 1.0F, b.last_u_px) : b.last_u_px);
+    boxes.centre_v1[i] = static_cast<std::int32_t>(whole ? std::min(bottom + 1.0F, b.last_v_px) : b.last_v_px);
     boxes.u0[i] = static_cast<std::int32_t>(projects ? u0 : 0.0F);
     boxes.v0[i] = static_cast<std::int32_t>(projects ? v0 : 0.0F);
     boxes.u1[i] = static_cast<std::int32_t>(projects ? u1 : b.last_u_px);

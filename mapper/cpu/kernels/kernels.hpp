@@ -166,6 +166,10 @@ struct BoxBounds {
   alignas(64) std::int32_t v0[kMostBoxes];
   alignas(64) std::int32_t u1[kMostBoxes];
   alignas(64) std::int32_t v1[kMostBoxes];
+  alignas(64) std::int32_t centre_u0[kMostBoxes];  ///< columns and rows of its voxels' centres alone, where `inside`
+  alignas(64) std::int32_t centre_v0[kMostBoxes];
+  alignas(64) std::int32_t centre_u1[kMostBoxes];
+  alignas(64) std::int32_t centre_v1[kMostBoxes];
   alignas(64) std::int32_t hidden[kMostBoxes];  ///< 1: outside of the frustum
   alignas(64) std::int32_t inside[kMostBoxes];  ///< 1: wholly within the image
 };
