@@ -122,7 +122,7 @@ void run(const test::Workload& work, float resolution_m, bool with_octomap) {
 
 int main(int argc, char** argv) {
   int frames = 60;
-  double step_s = 0.1;
+  double step_s = 1.0;  // the whole minute's drive
   std::string log;
   bool with_octomap = true;
   std::vector<float> resolutions_m;
