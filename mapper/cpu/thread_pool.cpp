@@ -6,6 +6,7 @@ namespace {
 
 // About 20 us on today's cores: longer than the gaps between the loops of one frame, far shorter than a time slice.
 constexpr int kSpins = 4000;
+constexpr std::uint32_t kNoChunk = 0xFFFFFFFFU;
 
 std::uint32_t generation_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket >> 32); }
 std::uint32_t chunk_of(std::uint64_t ticket) { return static_cast<std::uint32_t>(ticket); }
@@ -26,12 +27,13 @@ ThreadPool::~ThreadPool() {
 
 void ThreadPool::run(std::uint32_t chunks, Function function, void* context) {
   const std::uint32_t generation = generation_of(ticket_.load(std::memory_order_relaxed)) + 1;
-  // Nobody reads these for the new job before the ticket below is published; late workers of the last job fail to
-  // claim a chunk of it and forget what they read.
+  // The old ticket goes first: a late worker of the last job, which sees that the new one has more chunks, must not
+  // take the next chunk under the old ticket. Whoever reads the new number of chunks fails to exchange the old ticket.
+  ticket_.store(static_cast<std::uint64_t>(generation) << 32 | kNoChunk, std::memory_order_relaxed);
   function_.store(function, std::memory_order_relaxed);
   context_.store(context, std::memory_order_relaxed);
-  chunks_.store(chunks, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
+  chunks_.store(chunks, std::memory_order_release);
   ticket_.store(static_cast<std::uint64_t>(generation) << 32, std::memory_order_release);
   wake_.store(generation, std::memory_order_release);
   wake_.notify_all();
@@ -44,11 +46,12 @@ void ThreadPool::run(std::uint32_t chunks, Function function, void* context) {
 void ThreadPool::work(std::uint32_t generation) {
   for (;;) {
     std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
-    const std::uint32_t chunks = chunks_.load(std::memory_order_relaxed);
+    const std::uint32_t chunks = chunks_.load(std::memory_order_acquire);
     const Function function = function_.load(std::memory_order_relaxed);
     void* const context = context_.load(std::memory_order_relaxed);
     if (generation_of(ticket) != generation || chunk_of(ticket) >= chunks) return;
-    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel, std::memory_order_relaxed)) continue;
+    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel, std::memory_order_relaxed))
+      continue;
     function(context, chunk_of(ticket));
     done_.fetch_add(1, std::memory_order_acq_rel);
   }
@@ -58,7 +61,8 @@ void ThreadPool::worker_loop() {
   std::uint32_t seen = 0;
   for (;;) {
     std::uint32_t generation = wake_.load(std::memory_order_acquire);
-    for (int spins = 0; generation == seen && spins < kSpins; ++spins) generation = wake_.load(std::memory_order_acquire);
+    for (int spins = 0; generation == seen && spins < kSpins; ++spins)
+      generation = wake_.load(std::memory_order_acquire);
     if (generation == seen) {
       wake_.wait(seen, std::memory_order_acquire);
       continue;
