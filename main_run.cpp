@@ -169,7 +169,9 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
     mask = std::move(loaded).value();
   }
 
-  mapper::Mapper mapper(mapper_config(board, options), source.camera.model(), mask);
+  const mapper::MapperConfig config = mapper_config(board, options);
+  if (const auto problem = mapper::config_problem(config, source.camera.model())) return fail(*problem);
+  mapper::Mapper mapper(config, source.camera.model(), mask);
   hal::RealClock clock;
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
   mapper::RunSink sink(trajectory.value(), bar, clock);

@@ -11,18 +11,18 @@
 namespace g3d::hal {
 
 enum class Reason {
-  not_found,         ///< no such file or folder
-  no_permission,     ///< exists, but may not be read or written
-  io_error,          ///< the system refused a read or a write
-  disk_full,         ///< no space left
-  truncated,         ///< ends before what it announces
-  malformed,         ///< does not follow its format
-  bad_checksum,      ///< CRC or hash differs
-  out_of_range,      ///< a number outside its limits
-  unsupported,       ///< valid, but not handled here
-  too_large,         ///< larger than what is accepted from outside
-  no_capacity,       ///< a pool sized at start is full
-  bad_usage,         ///< the caller asked for something impossible
+  not_found,      ///< no such file or folder
+  no_permission,  ///< exists, but may not be read or written
+  io_error,       ///< the system refused a read or a write
+  disk_full,      ///< no space left
+  truncated,      ///< ends before what it announces
+  malformed,      ///< does not follow its format
+  bad_checksum,   ///< CRC or hash differs
+  out_of_range,   ///< a number outside its limits
+  unsupported,    ///< valid, but not handled here
+  too_large,      ///< larger than what is accepted from outside
+  no_capacity,    ///< a pool sized at start is full
+  bad_usage,      ///< the caller asked for something impossible
 };
 
 [[nodiscard]] const char* to_string(Reason reason);

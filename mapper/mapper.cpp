@@ -49,6 +49,24 @@ std::optional<MapMode> mode_from_string(std::string_view name) {
   return std::nullopt;
 }
 
+std::optional<std::string> config_problem(const MapperConfig& config, const hal::CameraModel& camera) {
+  // About 1.7 GB of scratch address space for hits and updates; a Kinect at 2 mm needs a quarter of it.
+  constexpr double kMostBoxBlocks = 1 << 27;
+  const double side = cpu::longest_side_blocks(camera, config.resolution_m, config.far_m);
+  const double blocks = side * side * side;
+  if (!(blocks <= kMostBoxBlocks)) {
+    return "the camera sees too large a space for this resolution: check fx and fy in camera.txt, or choose a coarser "
+           "--resolution";
+  }
+  // Rays count the cells of their grid in 32 bits.
+  const bool walks_rays = config.mode == MapMode::dynamic_mode && config.integrator != IntegratorKind::projective;
+  if (walks_rays && blocks * kBlockVoxels >= 2147483647.0) {
+    return std::string("the integrator ") + to_string(config.integrator) +
+           " cannot work at this resolution; choose a coarser --resolution or --integrator projective";
+  }
+  return std::nullopt;
+}
+
 struct Mapper::Parts {
   Parts(const MapperConfig& settings, const hal::CameraModel& camera, std::span<const std::uint16_t> scan_mask)
       : config(settings),
@@ -105,7 +123,8 @@ FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_
   std::uint32_t last_chunk = 0;
   if (p.free_space != nullptr) {
     p.pyramid.compute(p.ends, p.pool);
-    p.free_space->offer({p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb != nullptr, p.frame_number});
+    p.free_space->offer(
+        {p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb != nullptr, p.frame_number});
     last_chunk = p.updater.chunks() - 1;
   } else {
     p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count());
@@ -141,7 +160,8 @@ void Mapper::free_footprint(const std::array<double, 3>& base_m, double radius_m
           const auto c = map.grid().centre_m(v);
           const double dx = c[0] - base_m[0];
           const double dy = c[1] - base_m[1];
-          const bool inside = dx * dx + dy * dy <= (radius_m + 0.5 * r) * (radius_m + 0.5 * r) && v.z >= lowest.z && v.z <= highest.z;
+          const bool inside =
+              dx * dx + dy * dy <= (radius_m + 0.5 * r) * (radius_m + 0.5 * r) && v.z >= lowest.z && v.z <= highest.z;
           if (!inside || level_of(values[place]) != kUnknownLevel) continue;
           values[place] = after_miss(kUnknownLevel, parts_->config.steps);
           touched = true;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -27,18 +28,22 @@ enum class MapMode : std::uint8_t {
 [[nodiscard]] std::optional<MapMode> mode_from_string(std::string_view name);
 
 struct MapperConfig {
-  float resolution_m = 0.05F;         ///< 0.002..1
+  float resolution_m = 0.05F;  ///< 0.002..1
   IntegratorKind integrator = IntegratorKind::projective;
   MapMode mode = MapMode::dynamic_mode;
   UpdateSteps steps;
-  float near_m = 0.8F;                ///< certainty bounds: depth z of a trusted reading
+  float near_m = 0.8F;  ///< certainty bounds: depth z of a trusted reading
   float far_m = 3.5F;
-  float mask_depth_m = 3.0F;          ///< free scan mask made from the intrinsics, when none was recorded
-  bool carve_invalid = true;          ///< false: pixels without a reading carve nothing
+  float mask_depth_m = 3.0F;  ///< free scan mask made from the intrinsics, when none was recorded
+  bool carve_invalid = true;  ///< false: pixels without a reading carve nothing
   bool with_colour = true;
-  int threads = 1;                    ///< 1..64, the calling thread included
+  int threads = 1;  ///< 1..64, the calling thread included
   MapCapacity capacity;
 };
+
+/// Why a Mapper cannot be built for this camera: a sentence with the remedy. Call it before the constructor with what
+/// comes from outside; the constructor itself only asserts.
+[[nodiscard]] std::optional<std::string> config_problem(const MapperConfig& config, const hal::CameraModel& camera);
 
 enum class FrameStatus : std::uint8_t {
   integrated,
@@ -48,11 +53,11 @@ enum class FrameStatus : std::uint8_t {
 
 struct FrameReport {
   FrameStatus status = FrameStatus::integrated;
-  std::uint32_t valid_pixels = 0;      ///< readings within the certainty bounds
-  std::uint32_t too_near_pixels = 0;   ///< readings nearer than near_m: for navigation
+  std::uint32_t valid_pixels = 0;     ///< readings within the certainty bounds
+  std::uint32_t too_near_pixels = 0;  ///< readings nearer than near_m: for navigation
   std::uint32_t far_pixels = 0;
   std::uint32_t invalid_pixels = 0;
-  std::uint32_t hit_blocks = 0;        ///< blocks of 8x8x8 voxels in which something was measured
+  std::uint32_t hit_blocks = 0;  ///< blocks of 8x8x8 voxels in which something was measured
   std::uint32_t refused_blocks = 0;
 };
 

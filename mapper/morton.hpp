@@ -48,7 +48,9 @@ inline constexpr std::uint64_t kPlaceMask = kBlockVoxels - 1;
 }
 
 /// Octal digit of the path from the root: depth 1 is the root's child, 16 the voxel itself.
-[[nodiscard]] constexpr int octal_digit(MCode m, int depth) { return static_cast<int>((m >> (3 * (kAxisBits - depth))) & 7U); }
+[[nodiscard]] constexpr int octal_digit(MCode m, int depth) {
+  return static_cast<int>((m >> (3 * (kAxisBits - depth))) & 7U);
+}
 
 /// Lowest voxel of a block.
 [[nodiscard]] constexpr VoxelIndex block_origin(BlockKey key) { return decode(key << kBlockShift); }

@@ -25,7 +25,9 @@ Rgbo normalised(Rgbo value) {
 }
 
 // At most three quarters full when every block is in use: linear probing stays short.
-std::uint32_t table_size(std::uint32_t blocks) { return std::bit_ceil(std::max<std::uint32_t>(blocks + blocks / 3U, 16U)); }
+std::uint32_t table_size(std::uint32_t blocks) {
+  return std::bit_ceil(std::max<std::uint32_t>(blocks + blocks / 3U, 16U));
+}
 
 }  // namespace
 

@@ -35,8 +35,8 @@ BlockUpdater::BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSt
       lanes_(most_chunks_),
       changed_(rounded_box_blocks(sensor)) {}
 
-void BlockUpdater::begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels, std::uint32_t frame_number,
-                         std::uint32_t chunks, std::uint32_t blocks_per_chunk) {
+void BlockUpdater::begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels,
+                         std::uint32_t frame_number, std::uint32_t chunks, std::uint32_t blocks_per_chunk) {
   frame_ = &frame;
   with_colour_ = with_colour;
   kernels_ = &kernels;
@@ -72,7 +72,8 @@ void BlockUpdater::lower_uniform(std::uint32_t chunk, std::uint32_t slot) {
   lane_changed_[static_cast<std::size_t>(chunk) * per_chunk_ + lanes_[chunk].changed++] = slot;
 }
 
-void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags, HitRecord* hits) {
+void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags,
+                          HitRecord* hits) {
   if (hits != nullptr) hits->consumed = 1;
   if (slot != kNoSlot) {
     const BlockHeader& header = map_->header(slot);
@@ -100,7 +101,8 @@ std::uint8_t BlockUpdater::bricks_missing(const BlockHeader& header, const HitRe
       if ((eight & 0x0202020202020202ULL) == 0) continue;
       for (std::size_t j = i; j < i + 8; ++j) {
         if ((hits.flags[j] & kColourFlag) == 0) continue;
-        const std::uint8_t level = header.plane == kNoSlot ? header.uniform_level : map_->plane(header.plane)[j] & kLevelMask;
+        const std::uint8_t level =
+            header.plane == kNoSlot ? header.uniform_level : map_->plane(header.plane)[j] & kLevelMask;
         if (after_hit(level, steps_) > kUnknownLevel) missing = static_cast<std::uint8_t>(missing | (1U << b));
       }
     }
@@ -108,7 +110,8 @@ std::uint8_t BlockUpdater::bricks_missing(const BlockHeader& header, const HitRe
   return missing;
 }
 
-void BlockUpdater::apply_dense(std::uint32_t chunk, std::uint32_t slot, const std::uint8_t* flags, const HitRecord* hits) {
+void BlockUpdater::apply_dense(std::uint32_t chunk, std::uint32_t slot, const std::uint8_t* flags,
+                               const HitRecord* hits) {
   BlockHeader& header = map_->header(slot);
   LevelPlane& levels = map_->plane(header.plane);
   header.sequence.fetch_add(1, std::memory_order_acq_rel);

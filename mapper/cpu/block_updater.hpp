@@ -94,7 +94,9 @@ class BlockUpdater {
   }
 
   /// A block with hits alone.
-  void offer_hits(std::uint32_t chunk, BlockKey key, HitRecord& hits) { submit(chunk, key, slot_of(key), nullptr, &hits); }
+  void offer_hits(std::uint32_t chunk, BlockKey key, HitRecord& hits) {
+    submit(chunk, key, slot_of(key), nullptr, &hits);
+  }
 
   /// Hands out memory, applies what waited for it, gives back what is no longer needed. Returns refused blocks.
   std::uint32_t finish(ThreadPool& pool);

@@ -6,8 +6,8 @@
 namespace g3d::mapper::cpu {
 namespace {
 
-constexpr int kBaseShift = 2;       // the first level kept has cells of 4 pixels: finer ones never pay
-constexpr int kMostCells = 4;       // along each axis of one look-up
+constexpr int kBaseShift = 2;  // the first level kept has cells of 4 pixels: finer ones never pay
+constexpr int kMostCells = 4;  // along each axis of one look-up
 
 }  // namespace
 
@@ -59,8 +59,9 @@ void DepthPyramid::compute(const RayEnds& ends, ThreadPool& pool) {
         const Range& b = below.cells[static_cast<std::size_t>(y0 * below.width + x1)];
         const Range& c = below.cells[static_cast<std::size_t>(y1 * below.width + x0)];
         const Range& d = below.cells[static_cast<std::size_t>(y1 * below.width + x1)];
-        level.cells[static_cast<std::size_t>(y * level.width + x)] = {std::min(std::min(a.min, b.min), std::min(c.min, d.min)),
-                                                                      std::max(std::max(a.max, b.max), std::max(c.max, d.max))};
+        level.cells[static_cast<std::size_t>(y * level.width + x)] = {
+            std::min(std::min(a.min, b.min), std::min(c.min, d.min)),
+            std::max(std::max(a.max, b.max), std::max(c.max, d.max))};
       }
     }
   }

@@ -88,7 +88,8 @@ void FootprintImages::halve(int l, const Kernels& kernels, ThreadPool& pool) {
     for (int y = first; y < std::min(level.height, first + kRowsPerChunk); ++y) {
       // Below an odd last row lies padding: zeros, which a maximum ignores.
       const std::uint16_t* a = source + (2 * y + kImagePadding) * below.stride + kImagePadding;
-      kernels.halve_max_row(a, a + below.stride, level.width, target + (y + kImagePadding) * level.stride + kImagePadding);
+      kernels.halve_max_row(a, a + below.stride, level.width,
+                            target + (y + kImagePadding) * level.stride + kImagePadding);
     }
   });
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image of ray ends, filtered by the maximum over square windows of many sizes: cell x of the image for window m of
-// level L holds the farthest end within m x m cells of 2^L pixels that begin there. A voxel's footprint is then one look
-// into the image whose window is as large as the voxel appears.
+// level L holds the farthest end within m x m cells of 2^L pixels that begin there. A voxel's footprint is then one
+// look into the image whose window is as large as the voxel appears.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 
 namespace g3d::mapper::cpu {
 
-inline constexpr int kMaxWindow = 7;     ///< cells; from the second level on windows of 4..7 suffice
+inline constexpr int kMaxWindow = 7;  ///< cells; from the second level on windows of 4..7 suffice
 inline constexpr int kMaxLevels = 7;
 
 struct FootprintLevel {
-  int width = 0;    ///< cells without padding
+  int width = 0;  ///< cells without padding
   int height = 0;
-  int stride = 0;   ///< cells
-  int rows = 0;     ///< with padding
+  int stride = 0;  ///< cells
+  int rows = 0;    ///< with padding
 };
 
 class FootprintImages {

@@ -22,10 +22,6 @@ std::array<std::array<float, 3>, 4> far_corners_m(const SensorGeometry& sensor) 
   return {{{left, top, z}, {right, top, z}, {left, bottom, z}, {right, bottom, z}}};
 }
 
-float distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
-}
-
 }  // namespace
 
 SensorGeometry::SensorGeometry(const hal::CameraModel& model, float resolution, float near_m, float far_m)
@@ -36,11 +32,20 @@ SensorGeometry::SensorGeometry(const hal::CameraModel& model, float resolution, 
       metres_per_unit(1.0F / model.depth_units_per_metre) {
   for (int u = 0; u < model.width_px; ++u) column_slope.push_back((static_cast<float>(u) - model.cx_px) / model.fx_px);
   for (int v = 0; v < model.height_px; ++v) row_slope.push_back((static_cast<float>(v) - model.cy_px) / model.fy_px);
-  // Whatever the rotation, no side of the box exceeds the largest distance between two corners of the frustum.
-  const auto corners = far_corners_m(*this);
-  float diameter_m = distance_m(corners[0], corners[3]);
-  for (const auto& corner : corners) diameter_m = std::max(diameter_m, distance_m(corner, {0, 0, 0}));
-  max_side_blocks = static_cast<int>(std::ceil(diameter_m / (8.0F * resolution_m))) + 3;
+  max_side_blocks = static_cast<int>(longest_side_blocks(model, resolution, far_m));
+}
+
+// Whatever the rotation, no side of the box exceeds the largest distance between two corners of the frustum.
+double longest_side_blocks(const hal::CameraModel& camera, double resolution_m, double far_m) {
+  const double left = (-0.5 - camera.cx_px) / camera.fx_px;
+  const double right = (camera.width_px - 0.5 - camera.cx_px) / camera.fx_px;
+  const double top = (-0.5 - camera.cy_px) / camera.fy_px;
+  const double bottom = (camera.height_px - 0.5 - camera.cy_px) / camera.fy_px;
+  double diameter_m = far_m * std::hypot(right - left, bottom - top);
+  for (const double x : {left, right}) {
+    for (const double y : {top, bottom}) diameter_m = std::max(diameter_m, far_m * std::hypot(x, y, 1.0));
+  }
+  return std::ceil(diameter_m / (8.0 * resolution_m)) + 3.0;
 }
 
 std::optional<FrameGeometry> frame_geometry(const SensorGeometry& sensor, const hal::RigidTransform& T_world_camera) {

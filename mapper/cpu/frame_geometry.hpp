@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where one frame lies in the grid: the box of blocks that its rays can reach, and the float32 numbers of projection and
-// back-projection that every integrator and every twin shares.
+// Where one frame lies in the grid: the box of blocks that its rays can reach, and the float32 numbers of projection
+// and back-projection that every integrator and every twin shares.
 #pragma once
 
 #include <array>
@@ -15,6 +15,9 @@
 #include "mapper/morton.hpp"
 
 namespace g3d::mapper::cpu {
+
+/// Longest side of the box of blocks that any pose's frustum can need. Double, and safe for any positive numbers.
+[[nodiscard]] double longest_side_blocks(const hal::CameraModel& camera, double resolution_m, double far_m);
 
 /// What stays the same over all frames.
 struct SensorGeometry {

@@ -34,8 +34,8 @@ void HitScatter::clear() {
   shard_counts_.fill(0);
 }
 
-void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
-                         ThreadPool& pool) {
+void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+                         const Kernels& kernels, ThreadPool& pool) {
   if (pool.threads() == 1) {
     // The same order within each shard as below, without the way through the lists.
     std::uint32_t last_id = kNoBlock;
@@ -106,8 +106,9 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
         std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
         if (colours != nullptr) {
           const std::uint8_t* colour = colours + 3 * begin;
-          rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 | static_cast<std::uint32_t>(colour[0]) |
-                       static_cast<std::uint32_t>(colour[1]) << 8 | static_cast<std::uint32_t>(colour[2]) << 16;
+          rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 |
+                       static_cast<std::uint32_t>(colour[0]) | static_cast<std::uint32_t>(colour[1]) << 8 |
+                       static_cast<std::uint32_t>(colour[2]) << 16;
         }
         emit(Run{block_ids[static_cast<std::size_t>(begin)], rgb_flags, places[static_cast<std::size_t>(begin)]});
       }

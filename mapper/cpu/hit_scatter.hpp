@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into runs
-// of pixels that stay in one voxel; runs are dealt to shards by their block, and each shard walks its runs in pixel
-// order, so that the lowest pixel index colours a voxel whatever the number of threads. A single thread needs no shards.
+// Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into
+// runs of pixels that stay in one voxel; runs are dealt to shards by their block, and each shard walks its runs in
+// pixel order, so that the lowest pixel index colours a voxel whatever the number of threads. A single thread needs no
+// shards.
 #pragma once
 
 #include <array>
@@ -19,11 +20,11 @@ namespace g3d::mapper::cpu {
 
 /// What one frame measured in one block.
 struct HitRecord {
-  std::uint32_t block_id;                              ///< in the frame's box
-  std::uint32_t consumed;                              ///< set by the integrator when it has applied the record
-  alignas(64) std::array<std::uint8_t, 512> flags;     ///< kHitFlag, kColourFlag by place
-  std::array<std::uint32_t, 512> rgb;                  ///< R | G << 8 | B << 16 of the lowest pixel index that may colour
-                                                       ///< the voxel; valid where kColourFlag is set
+  std::uint32_t block_id;                           ///< in the frame's box
+  std::uint32_t consumed;                           ///< set by the integrator when it has applied the record
+  alignas(64) std::array<std::uint8_t, 512> flags;  ///< kHitFlag, kColourFlag by place
+  std::array<std::uint32_t, 512> rgb;               ///< R | G << 8 | B << 16 of the lowest pixel index that may colour
+                                                    ///< the voxel; valid where kColourFlag is set
 };
 
 class HitScatter {
@@ -68,17 +69,18 @@ class HitScatter {
   }
   /// emit(Run) for every run of a chunk of rows that holds readings, in pixel order.
   template <typename Emit>
-  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels,
-                Emit&& emit);
-  void collect(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb, const Kernels& kernels);
+  void cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+                const Kernels& kernels, Emit&& emit);
+  void collect(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
+               const Kernels& kernels);
   void scatter_shard(int shard);
   [[nodiscard]] HitRecord& record_for(std::uint32_t block_id);
 
   const SensorGeometry* sensor_;
   int chunks_;
   std::size_t runs_per_list_;
-  ReservedArray<Run> runs_;                    ///< [chunk][shard][runs_per_list_]
-  std::vector<std::uint32_t> run_counts_;      ///< [chunk][shard]
+  ReservedArray<Run> runs_;                       ///< [chunk][shard][runs_per_list_]
+  std::vector<std::uint32_t> run_counts_;         ///< [chunk][shard]
   ReservedArray<std::uint32_t> record_of_block_;  ///< index + 1; 0 = none
   ReservedArray<HitRecord> records_;
   std::atomic<std::uint32_t> record_count_{0};

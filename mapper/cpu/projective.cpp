@@ -15,17 +15,18 @@ float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& t
 
 }  // namespace
 
-ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame, const ProjectiveTuning& tuning) {
+ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
+                                 const ProjectiveTuning& tuning) {
   const auto& R = frame.rotation;
   const float shadow = std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]);
   ProjectiveFrame numbers;
-  // A unit cube seen along n covers an area of |nx| + |ny| + |nz|, and rays run through it for one over that on average.
+  // A unit cube seen along n covers an area of |nx| + |ny| + |nz|, and rays run through it for one over that on
+  // average.
   numbers.window_px_m = tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m * std::sqrt(shadow);
   numbers.bias_m = tuning.bias_chords * sensor.resolution_m / shadow;
   numbers.bias_units = numbers.bias_m * sensor.camera.depth_units_per_metre;
   numbers.far_units = static_cast<float>(sensor.far_raw);
-  numbers.far_bias_units =
-      tuning.far_bias_chords * sensor.resolution_m / shadow * sensor.camera.depth_units_per_metre;
+  numbers.far_bias_units = tuning.far_bias_chords * sensor.resolution_m / shadow * sensor.camera.depth_units_per_metre;
   const hal::CameraModel& camera = sensor.camera;
   numbers.left_px = -camera.cx_px;
   numbers.right_px = static_cast<float>(camera.width_px - 1) - camera.cx_px;
@@ -45,8 +46,7 @@ ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeomet
 }
 
 Projective::Projective(const SensorGeometry& sensor, ProjectiveTuning tuning)
-    : tuning_(tuning),
-      images_(sensor.camera.width_px, sensor.camera.height_px, smallest_window_px(sensor, tuning)) {}
+    : tuning_(tuning), images_(sensor.camera.width_px, sensor.camera.height_px, smallest_window_px(sensor, tuning)) {}
 
 // Window of m cells centred on pixel coordinate u begins at cell floor((u + 1/2) / 2^L - m / 2 + 1/2), plus padding.
 void Projective::fill_windows(const hal::CameraModel& camera) {
@@ -82,7 +82,8 @@ void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& 
     tables_.z_units[place] = sensor.camera.depth_units_per_metre * (R[2] * x + R[5] * y + R[8] * z);
     // The middle of a brick of 4x4x4 voxels lies half way between its first voxel and its last.
     if (place % kBrickVoxels == kBrickVoxels - 1) {
-      middle_units_[place / kBrickVoxels] = 0.5F * (tables_.z_units[place - (kBrickVoxels - 1)] + tables_.z_units[place]);
+      middle_units_[place / kBrickVoxels] =
+          0.5F * (tables_.z_units[place - (kBrickVoxels - 1)] + tables_.z_units[place]);
     }
   }
 }
@@ -119,7 +120,8 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
       any |= found == BlockClass::all_free;
       continue;
     }
-    const Window& w = window_at(sensor, numbers, brick.z_units + middle_units_[static_cast<std::size_t>(first / kBrickVoxels)]);
+    const Window& w =
+        window_at(sensor, numbers, brick.z_units + middle_units_[static_cast<std::size_t>(first / kBrickVoxels)]);
     brick.first_place = first;
     brick.at_border = found == BlockClass::look_at_border;
     brick.scale = w.cells_per_px;
@@ -136,10 +138,12 @@ bool Projective::look(const FrameWork& work, const ProjectiveFrame& numbers, con
   return any;
 }
 
-bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block, int place) const {
+bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers, const BlockView& block,
+                           int place) const {
   const SensorGeometry& sensor = work.sensor;
   const float block_units = sensor.camera.depth_units_per_metre * block.z_m;
-  const Window& w = window_at(sensor, numbers, block_units + middle_units_[static_cast<std::size_t>(place / kBrickVoxels)]);
+  const Window& w =
+      window_at(sensor, numbers, block_units + middle_units_[static_cast<std::size_t>(place / kBrickVoxels)]);
   const float z_units = block_units + tables_.z_units[place];
   if (z_units < numbers.min_z_units) return false;
   const float inverse = w.cells_per_px / (z_units * sensor.metres_per_unit);
@@ -165,10 +169,10 @@ void Projective::offer(const FrameWork& work) {
   fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
   const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
-  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m,
-                              numbers.bias_m);
+  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
+  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
+                     visible.blocks_per_chunk());
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
     BlockKey key = 0;
     std::uint32_t slot = kNoSlot;

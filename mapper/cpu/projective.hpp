@@ -14,15 +14,15 @@ namespace g3d::mapper::cpu {
 
 /// How the projective test imitates exact rays; measured against `dda` (tests/bench/agreement_bench.cpp).
 struct ProjectiveTuning {
-  float window_scale = 0.95F;  ///< side of the window / side of a square as large as the voxel's silhouette
-  float border_scale = 1.0F;  ///< share of a voxel's half silhouette that must reach into the image
+  float window_scale = 0.95F;     ///< side of the window / side of a square as large as the voxel's silhouette
+  float border_scale = 1.0F;      ///< share of a voxel's half silhouette that must reach into the image
   float far_bias_chords = -0.4F;  ///< the same as bias_chords against the ends of far readings, which are no surface
-  float bias_chords = 0.4F;   ///< how far beyond a voxel's centre a ray must reach, in mean chords of the voxel
+  float bias_chords = 0.4F;       ///< how far beyond a voxel's centre a ray must reach, in mean chords of the voxel
 };
 
 /// The numbers of one frame's projective test, shared with the plain twin.
 struct ProjectiveFrame {
-  float window_px_m;   ///< a voxel at depth z m covers window_px_m / z pixels
+  float window_px_m;  ///< a voxel at depth z m covers window_px_m / z pixels
   float bias_m;
   float bias_units;
   float far_units;
@@ -32,7 +32,7 @@ struct ProjectiveFrame {
   float top_px;
   float bottom_px;
   std::array<float, 4> reach_px_m;
-  float min_z_units;   ///< voxels nearer than half a voxel are left alone
+  float min_z_units;  ///< voxels nearer than half a voxel are left alone
 };
 [[nodiscard]] ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
                                                const ProjectiveTuning& tuning);
@@ -43,8 +43,8 @@ class Projective final : public FreeSpace {
   void offer(const FrameWork& work) override;
 
  private:
-  /// Flags of a block that has to be looked at voxel by voxel; false if none is free. `levels` of the block, or nullptr:
-  /// bricks that are known to be free already are passed over, as nothing can change there.
+  /// Flags of a block that has to be looked at voxel by voxel; false if none is free. `levels` of the block, or
+  /// nullptr: bricks that are known to be free already are passed over, as nothing can change there.
   [[nodiscard]] bool look(const FrameWork& work, const ProjectiveFrame& numbers, const VisibleBlocks& visible,
                           const BlockView& block, const std::uint8_t* levels, FreeFlags& flags) const;
   /// Is the voxel free by measured rays alone? The slow, plain way: few voxels need it.
@@ -63,7 +63,8 @@ class Projective final : public FreeSpace {
     int stride = 0;
     const std::uint16_t* image = nullptr;
   };
-  [[nodiscard]] const Window& window_at(const SensorGeometry& sensor, const ProjectiveFrame& numbers, float z_units) const {
+  [[nodiscard]] const Window& window_at(const SensorGeometry& sensor, const ProjectiveFrame& numbers,
+                                        float z_units) const {
     const float z_m = std::max(z_units, numbers.min_z_units) * sensor.metres_per_unit;
     const FootprintImages::Choice choice = images_.choose(numbers.window_px_m / z_m);
     return windows_[static_cast<std::size_t>(choice.level)][static_cast<std::size_t>(choice.window_cells)];
@@ -75,7 +76,7 @@ class Projective final : public FreeSpace {
   FootprintImages images_;
   std::array<std::array<Window, kMaxWindow + 1>, kMaxLevels> windows_;
   ProjectionTables tables_{};
-  std::array<float, kBricksPerBlock> middle_units_{};                   ///< depth of a brick's middle behind the block's first voxel
+  std::array<float, kBricksPerBlock> middle_units_{};  ///< depth of a brick's middle behind the block's first voxel
 };
 
 }  // namespace g3d::mapper::cpu

@@ -61,9 +61,10 @@ void RayEnds::compute(const std::uint16_t* depth, const Kernels& kernels, Thread
 void RayEnds::classify_rows(int first, int end, const Kernels& kernels) {
   for (int v = first; v < end; ++v) {
     const std::uint16_t* row = depth_ + v * width_;
-    row_counts_[static_cast<std::size_t>(v)] = kernels.classify_row(
-        {row, v > 0 ? row - width_ : row, v + 1 < height_ ? row + width_ : row, width_, sensor_->near_raw,
-         sensor_->far_raw, ends_.data() + index(0, v), colour_flags_.data() + v * width_, blind_.data() + v * (width_ + kBlindPadding)});
+    row_counts_[static_cast<std::size_t>(v)] =
+        kernels.classify_row({row, v > 0 ? row - width_ : row, v + 1 < height_ ? row + width_ : row, width_,
+                              sensor_->near_raw, sensor_->far_raw, ends_.data() + index(0, v),
+                              colour_flags_.data() + v * width_, blind_.data() + v * (width_ + kBlindPadding)});
   }
 }
 
@@ -98,8 +99,8 @@ int RayEnds::next_blind(const std::uint8_t* blind, int u) const {
 void RayEnds::bound_by_columns(int first, int end, const Kernels& kernels) {
   const int count = end - first;
   alignas(64) std::uint16_t last[kColumnsPerChunk];
-  // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order. Until the upward pass
-  // is through, the ends of pixels without a reading hold the nearest bound found so far.
+  // Downwards: the reading above each run. Rows are walked whole, so that memory is read in order. Until the upward
+  // pass is through, the ends of pixels without a reading hold the nearest bound found so far.
   std::fill(last, last + count, kUnbounded);
   for (int v = 0; v < height_; ++v) {
     kernels.carry_down(depth_ + v * width_ + first, count, last, ends_.data() + index(first, v));
@@ -108,7 +109,8 @@ void RayEnds::bound_by_columns(int first, int end, const Kernels& kernels) {
   std::fill(last, last + count, kUnbounded);
   for (int v = height_ - 1; v >= 0; --v) {
     const std::uint16_t* mask = mask_.data() + (mask_is_one_row_ ? 0 : v * width_) + first;
-    kernels.bound_up({depth_ + v * width_ + first, mask, count, sensor_->near_raw, last, ends_.data() + index(first, v)});
+    kernels.bound_up(
+        {depth_ + v * width_ + first, mask, count, sensor_->near_raw, last, ends_.data() + index(first, v)});
   }
 }
 

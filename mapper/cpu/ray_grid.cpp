@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kTileRows_px = 16;
 
-// Place (M & 511) of the voxel pair x = 2k, 2k + 1 within a row of eight: 0, 8, 64, 72; y adds 2, 16, 128; z 4, 32, 256.
+// Place (M & 511) of the voxel pair x = 2k, 2k + 1 within a row of eight: 0, 8, 64, 72; y adds 2, 16, 128; z 4, 32,
+// 256.
 constexpr std::array<std::uint16_t, 64> row_places() {
   std::array<std::uint16_t, 64> places{};
   for (std::int32_t z = 0; z < 8; ++z) {
@@ -98,12 +99,14 @@ void RayGrid::offer(const FrameWork& work) {
   // Weak rays first: where a measured ray passes as well, its mark replaces theirs.
   if (work.ends.counts().invalid > 0) walk(work, false);
   walk(work, true);
-  grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] = 0;  // the spare cell: the next box may reach it
+  grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] =
+      0;  // the spare cell: the next box may reach it
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F);
   const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1, visible.blocks_per_chunk());
+  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
+                     visible.blocks_per_chunk());
   const auto every = [](int, int, int) { return true; };  // even where nothing can change the marks must be wiped
-  const auto known = [](int) { return false; };  // rays already say which marks are strong
+  const auto known = [](int) { return false; };           // rays already say which marks are strong
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
     visible.for_chunk(chunk, every, [&](const BlockView& block, BlockClass) {
       const BlockKey key = work.frame.block_key(block.bx, block.by, block.bz);

@@ -30,7 +30,8 @@ class ThreadPool {
       return;
     }
     using Plain = std::remove_reference_t<Body>;
-    run(chunks, [](void* context, std::uint32_t chunk) { (*static_cast<Plain*>(context))(chunk); }, &body);
+    run(
+        chunks, [](void* context, std::uint32_t chunk) { (*static_cast<Plain*>(context))(chunk); }, &body);
   }
 
  private:

@@ -6,7 +6,8 @@
 
 namespace g3d::mapper::cpu {
 
-std::array<float, 3> voxel_in_camera_m(const SensorGeometry& sensor, const FrameGeometry& frame, const VoxelIndex& voxel) {
+std::array<float, 3> voxel_in_camera_m(const SensorGeometry& sensor, const FrameGeometry& frame,
+                                       const VoxelIndex& voxel) {
   const auto& R = frame.rotation;
   const float x = (static_cast<float>(voxel.x) - 32767.5F) * sensor.resolution_m - frame.translation_m[0];
   const float y = (static_cast<float>(voxel.y) - 32767.5F) * sensor.resolution_m - frame.translation_m[1];
@@ -33,12 +34,14 @@ VisibleBlocks::VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& 
     };
     super_middle_m_[axis] = offset_m(15.5F, 15.5F, 15.5F);
     for (std::size_t i = 0; i < 64; ++i) {
-      block_middle_m_[axis][i] = offset_m(static_cast<float>(8 * (i & 3)) + 3.5F, static_cast<float>(8 * ((i >> 2) & 3)) + 3.5F,
-                                          static_cast<float>(8 * (i >> 4)) + 3.5F);
+      block_middle_m_[axis][i] =
+          offset_m(static_cast<float>(8 * (i & 3)) + 3.5F, static_cast<float>(8 * ((i >> 2) & 3)) + 3.5F,
+                   static_cast<float>(8 * (i >> 4)) + 3.5F);
     }
     for (std::size_t i = 0; i < 8; ++i) {
-      brick_middle_m_[axis][i] = offset_m(static_cast<float>(4 * (i & 1)) + 1.5F, static_cast<float>(4 * ((i >> 1) & 1)) + 1.5F,
-                                          static_cast<float>(4 * (i >> 2)) + 1.5F);
+      brick_middle_m_[axis][i] =
+          offset_m(static_cast<float>(4 * (i & 1)) + 1.5F, static_cast<float>(4 * ((i >> 1) & 1)) + 1.5F,
+                   static_cast<float>(4 * (i >> 2)) + 1.5F);
     }
   }
 }
@@ -64,8 +67,8 @@ BoxView VisibleBlocks::box_view(int side_cells) const {
 }
 
 BlockView VisibleBlocks::view(int bx, int by, int bz) const {
-  const auto p = voxel_in_camera_m(
-      *sensor_, *frame_, {frame_->origin.x + 8 * bx, frame_->origin.y + 8 * by, frame_->origin.z + 8 * bz});
+  const auto p = voxel_in_camera_m(*sensor_, *frame_,
+                                   {frame_->origin.x + 8 * bx, frame_->origin.y + 8 * by, frame_->origin.z + 8 * bz});
   return {bx, by, bz, p[0], p[1], p[2]};
 }
 

@@ -14,10 +14,10 @@
 namespace g3d::mapper::cpu {
 
 enum class BlockClass : std::uint8_t {
-  hidden,    ///< no ray reaches any of its voxels
-  look,      ///< each voxel has to be looked at
+  hidden,          ///< no ray reaches any of its voxels
+  look,            ///< each voxel has to be looked at
   look_at_border,  ///< likewise, and some of it may lie outside of the image
-  all_free,  ///< rays pass through every voxel
+  all_free,        ///< rays pass through every voxel
 };
 
 /// A block of the frame's box with the camera-frame position of the centre of its first (lowest) voxel.
@@ -41,8 +41,8 @@ class VisibleBlocks {
   /// No chunk visits more blocks.
   [[nodiscard]] std::uint32_t blocks_per_chunk() const { return static_cast<std::uint32_t>(supers_[0]) * 64U; }
 
-  /// visit(BlockView, BlockClass) for every block of the chunk that is not hidden, in a fixed order. `wants(bx, by, bz)`
-  /// is asked before a block is looked at more closely; what it declines is not visited.
+  /// visit(BlockView, BlockClass) for every block of the chunk that is not hidden, in a fixed order. `wants(bx, by,
+  /// bz)` is asked before a block is looked at more closely; what it declines is not visited.
   template <typename Wants, typename Visit>
   void for_chunk(std::uint32_t chunk, Wants&& wants, Visit&& visit) const {
     const int sy = static_cast<int>(chunk) % supers_[1];

@@ -16,11 +16,11 @@ using namespace g3d;
 namespace {
 
 struct Agreement {
-  std::uint64_t known = 0;              ///< to either
+  std::uint64_t known = 0;  ///< to either
   std::uint64_t differ = 0;
-  std::uint64_t occupied = 0;           ///< in the exact map
-  std::uint64_t occupied_lost = 0;      ///< of those, not occupied in the other
-  std::uint64_t table[3][3] = {};       ///< [exact][other]
+  std::uint64_t occupied = 0;       ///< in the exact map
+  std::uint64_t occupied_lost = 0;  ///< of those, not occupied in the other
+  std::uint64_t table[3][3] = {};   ///< [exact][other]
 };
 
 Agreement compare(const mapper::VoxelMap& exact, const mapper::VoxelMap& other) {
@@ -64,13 +64,14 @@ void run(const test::Workload& work, float resolution_m) {
   }
   const Agreement a = compare(exact.map(), projective.map());
   const double percent = 100.0 / static_cast<double>(a.known);
-  fmt::print("{:24} r={:.3f} frames={} known={} differ={:.3f}% (free->unknown {:.3f}% unknown->free {:.3f}% free->occ {:.3f}%"
-             " occ->free {:.3f}% unk->occ {:.3f}%) occupied lost {:.3f}%\n",
-             work.name, resolution_m, work.frames.size(), a.known, percent * static_cast<double>(a.differ),
-             percent * static_cast<double>(a.table[1][0]), percent * static_cast<double>(a.table[0][1]),
-             percent * static_cast<double>(a.table[1][2]), percent * static_cast<double>(a.table[2][1]),
-             percent * static_cast<double>(a.table[0][2]),
-             100.0 * static_cast<double>(a.occupied_lost) / static_cast<double>(std::max<std::uint64_t>(a.occupied, 1)));
+  fmt::print(
+      "{:24} r={:.3f} frames={} known={} differ={:.3f}% (free->unknown {:.3f}% unknown->free {:.3f}% free->occ {:.3f}%"
+      " occ->free {:.3f}% unk->occ {:.3f}%) occupied lost {:.3f}%\n",
+      work.name, resolution_m, work.frames.size(), a.known, percent * static_cast<double>(a.differ),
+      percent * static_cast<double>(a.table[1][0]), percent * static_cast<double>(a.table[0][1]),
+      percent * static_cast<double>(a.table[1][2]), percent * static_cast<double>(a.table[2][1]),
+      percent * static_cast<double>(a.table[0][2]),
+      100.0 * static_cast<double>(a.occupied_lost) / static_cast<double>(std::max<std::uint64_t>(a.occupied, 1)));
   std::fflush(stdout);
 }
 
@@ -90,8 +91,8 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--log") == 0) log = argv[i + 1];
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
-  const test::Workload work =
-      log.empty() ? test::simulated_drive(world, frames, step_s) : test::recorded(log, static_cast<std::size_t>(frames));
+  const test::Workload work = log.empty() ? test::simulated_drive(world, frames, step_s)
+                                          : test::recorded(log, static_cast<std::size_t>(frames));
   if (work.frames.empty()) {
     fmt::print(stderr, "agreement_bench: no frames in {}\n", log.empty() ? world : log);
     return 1;

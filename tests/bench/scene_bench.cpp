@@ -29,7 +29,8 @@ mapper::MapperConfig config_for(mapper::IntegratorKind kind, float resolution_m)
 void tunnelling(const test::Workload& work, float resolution_m) {
   constexpr std::array<double, 3> kLow_m{-4.15, -2.1, -0.1};
   constexpr std::array<double, 3> kHigh_m{0.05, 2.1, 2.5};
-  for (const auto kind : {mapper::IntegratorKind::dda, mapper::IntegratorKind::bresenham, mapper::IntegratorKind::projective}) {
+  for (const auto kind :
+       {mapper::IntegratorKind::dda, mapper::IntegratorKind::bresenham, mapper::IntegratorKind::projective}) {
     mapper::Mapper mapper(config_for(kind, resolution_m), work.camera);
     for (const test::PosedImage& image : work.frames) (void)mapper.integrate(image.frame, image.T_world_camera);
     std::uint64_t free = 0;
@@ -46,8 +47,9 @@ void tunnelling(const test::Workload& work, float resolution_m) {
         behind += inside ? 0 : 1;
       }
     }
-    fmt::print("tunnelling  {:10} r={:.3f}: {} of {} free voxels lie behind closed walls, {:.4f} %\n", mapper::to_string(kind),
-               resolution_m, behind, free, 100.0 * static_cast<double>(behind) / static_cast<double>(free));
+    fmt::print("tunnelling  {:10} r={:.3f}: {} of {} free voxels lie behind closed walls, {:.4f} %\n",
+               mapper::to_string(kind), resolution_m, behind, free,
+               100.0 * static_cast<double>(behind) / static_cast<double>(free));
     std::fflush(stdout);
   }
 }
@@ -56,7 +58,9 @@ struct Pole {
   double x_m, y_m, radius_m, low_m, high_m;
 };
 // The free-standing poles of `furnished_room`.
-constexpr std::array<Pole, 4> kPoles{{{-1.75, 1.75, 0.01, 0.1, 1.6}, {1.75, 1.8, 0.0125, 0.1, 1.6}, {1.75, -1.75, 0.015, 0.1, 1.6},
+constexpr std::array<Pole, 4> kPoles{{{-1.75, 1.75, 0.01, 0.1, 1.6},
+                                      {1.75, 1.8, 0.0125, 0.1, 1.6},
+                                      {1.75, -1.75, 0.015, 0.1, 1.6},
                                       {-3.1, -3.3, 0.01, 0.1, 1.1}}};
 
 /// Layers of voxels in which the map has something occupied where the pole stands.
@@ -85,8 +89,9 @@ void poles(const test::Workload& work, float resolution_m) {
     (void)projective.integrate(image.frame, image.T_world_camera);
   }
   for (const Pole& pole : kPoles) {
-    fmt::print("thin pole   r={:.3f}: {:.1f} cm thick, layers occupied in the exact map {}, in the projective one {}\n", resolution_m,
-               200.0 * pole.radius_m, layers_with_pole(exact.map(), pole), layers_with_pole(projective.map(), pole));
+    fmt::print("thin pole   r={:.3f}: {:.1f} cm thick, layers occupied in the exact map {}, in the projective one {}\n",
+               resolution_m, 200.0 * pole.radius_m, layers_with_pole(exact.map(), pole),
+               layers_with_pole(projective.map(), pole));
   }
   std::fflush(stdout);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time of one frame, points and pose in, map updated out: liboctomap and our integrators in turn on the same frame, one
-// thread each, and the projective one on two. Medians over the frames after the first five, and the ratio frame by frame.
+// thread each, and the projective one on two. Medians over the frames after the first five, and the ratio frame by
+// frame.
 //   speed_bench [--resolution METRES]... [--frames N] [--step SECONDS] [--log FOLDER] [--no-octomap] [--cpu-time]
 #include <fmt/format.h>
 #include <octomap/octomap.h>
@@ -80,7 +81,8 @@ void run(const test::Workload& work, float resolution_m, bool with_octomap) {
   for (std::size_t i = 0; i < work.frames.size(); ++i) {
     const test::PosedImage& image = work.frames[i];
     if (with_octomap) {
-      const double ms = octomap_frame_ms(tree, test::ray_list(work.camera, image.frame.depth.get(), image.T_world_camera));
+      const double ms =
+          octomap_frame_ms(tree, test::ray_list(work.camera, image.frame.depth.get(), image.T_world_camera));
       if (i >= kWarmUp_frames) octomap_ms.push_back(ms);
     }
     for (Contestant& contestant : contestants) {
@@ -109,12 +111,15 @@ void run(const test::Workload& work, float resolution_m, bool with_octomap) {
       const Spread r = ratio_to(octomap_ms);
       fmt::print("   x OctoMap min {:7.1f} median {:7.1f} max {:7.1f}", r.min, r.median, r.max);
     }
-    if (contestant.name == "projective x2") fmt::print("   x one thread median {:.2f}", ratio_to(contestants[0].times_ms).median);
+    if (contestant.name == "projective x2")
+      fmt::print("   x one thread median {:.2f}", ratio_to(contestants[0].times_ms).median);
     fmt::print("\n");
   }
   const mapper::MapCounts counts = contestants[0].mapper->map().counts();
-  fmt::print("  projective map: {} known, {} occupied, {:.2f} bytes per known voxel with colour\n", counts.known(),
-             counts.occupied, static_cast<double>(contestants[0].mapper->map().memory().used_bytes) / static_cast<double>(counts.known()));
+  fmt::print(
+      "  projective map: {} known, {} occupied, {:.2f} bytes per known voxel with colour\n", counts.known(),
+      counts.occupied,
+      static_cast<double>(contestants[0].mapper->map().memory().used_bytes) / static_cast<double>(counts.known()));
   std::fflush(stdout);
 }
 
@@ -132,14 +137,16 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--no-octomap") == 0) with_octomap = false;
     if (std::strcmp(argv[i], "--frames") == 0 && has_value) frames = std::atoi(argv[++i]);
     if (std::strcmp(argv[i], "--step") == 0 && has_value) step_s = std::atof(argv[++i]);
-    if (std::strcmp(argv[i], "--resolution") == 0 && has_value) resolutions_m.push_back(static_cast<float>(std::atof(argv[++i])));
+    if (std::strcmp(argv[i], "--resolution") == 0 && has_value)
+      resolutions_m.push_back(static_cast<float>(std::atof(argv[++i])));
     if (std::strcmp(argv[i], "--log") == 0 && has_value) log = argv[++i];
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
   const test::Workload work = log.empty() ? test::simulated_drive("furnished_room", frames, step_s)
                                           : test::recorded(log, static_cast<std::size_t>(frames));
   if (work.frames.size() <= kWarmUp_frames) {
-    fmt::print(stderr, "speed_bench: {} has {} frames, more than {} are needed\n", work.name, work.frames.size(), kWarmUp_frames);
+    fmt::print(stderr, "speed_bench: {} has {} frames, more than {} are needed\n", work.name, work.frames.size(),
+               kWarmUp_frames);
     return 1;
   }
   for (const float r : resolutions_m) run(work, r, with_octomap);

@@ -11,6 +11,7 @@
 #include "mapper/map_hash.hpp"
 #include "tests/support/plain_mapper.hpp"
 #include "tests/support/test_frames.hpp"
+#include "tests/support/workload.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper;
@@ -54,6 +55,39 @@ TEST_CASE("names of integrators and modes go there and back") {
   CHECK_FALSE(integrator_from_string("DDA"));
   CHECK_FALSE(integrator_from_string(""));
   CHECK_FALSE(mode_from_string("dda"));
+}
+
+TEST_CASE("cameras and resolutions that no memory could serve are refused with a remedy") {
+  MapperConfig config;
+  CHECK_FALSE(config_problem(config, hal::CameraModel{}));
+  config.resolution_m = 0.002F;
+  CHECK_FALSE(config_problem(config, hal::CameraModel{}));
+  config.integrator = IntegratorKind::dda;
+  REQUIRE(config_problem(config, hal::CameraModel{}));
+  CHECK(config_problem(config, hal::CameraModel{})->find("--resolution") != std::string::npos);
+  config.resolution_m = 0.005F;
+  CHECK_FALSE(config_problem(config, hal::CameraModel{}));
+  hal::CameraModel fisheye;
+  fisheye.fx_px = 1e-3F;
+  REQUIRE(config_problem(config, fisheye));
+  CHECK(config_problem(config, fisheye)->find("camera.txt") != std::string::npos);
+}
+
+// These maps must be the same on every processor, with every compiler and in every later version: who changes one on
+// purpose changes the contract in the README's map section, too.
+TEST_CASE("a short simulated drive has its golden hashes") {
+  const test::Workload work = test::simulated_drive("furnished_room", 8, 1.0, 0.0, 160);
+  REQUIRE(work.frames.size() == 8);
+  const std::map<IntegratorKind, std::string> golden{
+      {IntegratorKind::dda, "071d9189f0f56ec8caeb089783f1738b39968c4a6e5a69522ce3247b0160138f"},
+      {IntegratorKind::bresenham, "aecafdf387c457140b2e394555729038c93eed2db31fc51f517f61ea2abcf38c"},
+      {IntegratorKind::projective, "28fa5e9e69c01774a322287787fdac529cadb82bbcf59bb51b16999d665650ee"}};
+  for (const auto& [kind, hash] : golden) {
+    MapperConfig config;
+    config.integrator = kind;
+    INFO(to_string(kind));
+    CHECK(run(config, work.camera, work.frames).hash == hash);
+  }
 }
 
 TEST_CASE("the same frames give the same map for any number of threads", "[threads]") {

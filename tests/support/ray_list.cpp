@@ -5,8 +5,8 @@
 
 namespace g3d::test {
 
-RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, const hal::Pose& T_world_camera, float near_m,
-                 float far_m) {
+RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, const hal::Pose& T_world_camera,
+                 float near_m, float far_m) {
   const hal::RigidTransform T = hal::to_transform(T_world_camera);
   const auto near_raw = static_cast<std::uint16_t>(std::lround(near_m * camera.depth_units_per_metre));
   const auto far_raw = static_cast<std::uint16_t>(std::lround(far_m * camera.depth_units_per_metre));

@@ -17,7 +17,7 @@ struct RayList {
 };
 
 /// Readings without a value or nearer than near_m are left out.
-[[nodiscard]] RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth, const hal::Pose& T_world_camera,
-                               float near_m = 0.8F, float far_m = 3.5F);
+[[nodiscard]] RayList ray_list(const hal::CameraModel& camera, const std::uint16_t* depth,
+                               const hal::Pose& T_world_camera, float near_m = 0.8F, float far_m = 3.5F);
 
 }  // namespace g3d::test

@@ -11,12 +11,12 @@
 
 namespace g3d::test {
 
-Workload simulated_drive(const std::string& builtin, int count, double step_s, double start_s, int width_px, bool noise) {
+Workload simulated_drive(const std::string& builtin, int count, double step_s, double start_s, int width_px,
+                         bool noise) {
   Workload work;
   work.name = builtin;
   const float scale = static_cast<float>(width_px) / 640.0F;
-  work.camera = {width_px,       width_px * 3 / 4,           525.0F * scale, 525.0F * scale,
-                 319.5F * scale, 239.5F * scale, 1000.0F};
+  work.camera = {width_px, width_px * 3 / 4, 525.0F * scale, 525.0F * scale, 319.5F * scale, 239.5F * scale, 1000.0F};
   auto world = hal::load_world(builtin);
   auto path = hal::load_camera_path(builtin);
   if (!world || !path) return work;

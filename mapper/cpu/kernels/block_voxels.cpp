@@ -15,8 +15,8 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
     const bool projects = z_low > b.near_plane_m;
     const float inverse_low = 1.0F / (projects ? z_low : 1.0F);
     const float inverse_high = 1.0F / (projects ? z_high : 1.0F);
-    // A window of w pixels has a side of at most 1.13 w after rounding to cells of at most 0.27 w, and its middle is off by
-    // half a cell: 0.7 w to each side. Across the image's border the voxel's own silhouette counts as well.
+    // A window of w pixels has a side of at most 1.13 w after rounding to cells of at most 0.27 w, and its middle is
+    // off by half a cell: 0.7 w to each side. Across the image's border the voxel's own silhouette counts as well.
     const float window_px = b.window_px_m * inverse_low;
     const float near_px = 0.7F * window_px + 1.5F;
     const float reach_px = 1.5F * window_px + 2.0F;
@@ -144,8 +144,20 @@ bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const s
 const Kernels& table() {
 #define G3D_TEXT_OF(name) #name
 #define G3D_TEXT(name) G3D_TEXT_OF(name)
-  static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT), classify_row, carry_down, bound_up, unproject_row, max_filter_row, halve_max_row,
-                                  halve_min_row, bound_boxes, project_brick, apply_block, any_contested, walk_rays, walk_bresenham};
+  static constexpr Kernels kTable{G3D_TEXT(G3D_KERNEL_VARIANT),
+                                  classify_row,
+                                  carry_down,
+                                  bound_up,
+                                  unproject_row,
+                                  max_filter_row,
+                                  halve_max_row,
+                                  halve_min_row,
+                                  bound_boxes,
+                                  project_brick,
+                                  apply_block,
+                                  any_contested,
+                                  walk_rays,
+                                  walk_bresenham};
   return kTable;
 }
 

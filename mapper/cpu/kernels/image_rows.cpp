@@ -46,8 +46,7 @@ RowCounts classify_row(const ClassifyRow& row) {
   for (int u = 0; u < width; ++u) blind[u] = depth[u] == 0;
   for (int u = 1; u < width - 1; ++u) {
     const std::uint16_t d = depth[u];
-    const bool edge =
-        is_edge(d, depth[u - 1]) | is_edge(d, depth[u + 1]) | is_edge(d, above[u]) | is_edge(d, below[u]);
+    const bool edge = is_edge(d, depth[u - 1]) | is_edge(d, depth[u + 1]) | is_edge(d, above[u]) | is_edge(d, below[u]);
     colour[u] = edge ? std::uint8_t{0} : kColourFlag;
   }
   // At the border the neighbour that is not there is the pixel itself.

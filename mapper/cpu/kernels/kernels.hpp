@@ -19,22 +19,22 @@ struct RowCounts {
   std::uint32_t invalid = 0;
 };
 
-inline constexpr std::uint8_t kHitFlag = 1;      ///< a measured point fell into the voxel
-inline constexpr std::uint8_t kColourFlag = 2;   ///< and HitRecord::pixel names the pixel that colours it
-inline constexpr std::uint8_t kWeakFree = 1;     ///< seen through by a pixel without reading only
-inline constexpr std::uint8_t kStrongFree = 3;   ///< seen through by a measured ray
+inline constexpr std::uint8_t kHitFlag = 1;     ///< a measured point fell into the voxel
+inline constexpr std::uint8_t kColourFlag = 2;  ///< and HitRecord::pixel names the pixel that colours it
+inline constexpr std::uint8_t kWeakFree = 1;    ///< seen through by a pixel without reading only
+inline constexpr std::uint8_t kStrongFree = 3;  ///< seen through by a measured ray
 inline constexpr std::uint32_t kNoBlock = 0xFFFFFFFFU;
 
 struct ClassifyRow {
-  const std::uint16_t* depth;   ///< this row
-  const std::uint16_t* above;   ///< row above, or this row itself at the border
-  const std::uint16_t* below;   ///< row below, or this row itself at the border
+  const std::uint16_t* depth;  ///< this row
+  const std::uint16_t* above;  ///< row above, or this row itself at the border
+  const std::uint16_t* below;  ///< row below, or this row itself at the border
   int width;
   std::uint16_t near_raw;
   std::uint16_t far_raw;
-  std::uint16_t* ends;          ///< out: raw depth up to which the pixel's ray carves; 0 = does not
-  std::uint8_t* colour_flag;    ///< out: kColourFlag where the pixel may give its colour (no depth edge), else 0
-  std::uint8_t* blind;          ///< out: 1 where there is no reading, else 0
+  std::uint16_t* ends;        ///< out: raw depth up to which the pixel's ray carves; 0 = does not
+  std::uint8_t* colour_flag;  ///< out: kColourFlag where the pixel may give its colour (no depth edge), else 0
+  std::uint8_t* blind;        ///< out: 1 where there is no reading, else 0
 };
 
 /// Numbers of one row's back-projection. World point of pixel u: (c + column_slope[u] * r) * z + t, axis by axis.
@@ -46,16 +46,16 @@ struct UnprojectRow {
   std::uint16_t far_raw;
   float metres_per_unit;
   float resolution_m;
-  float column[3];       ///< R's first column
-  float row_part[3];     ///< R's second column * row_slope + third column
+  float column[3];    ///< R's first column
+  float row_part[3];  ///< R's second column * row_slope + third column
   float translation[3];
   std::int32_t origin[3];
   std::int32_t nx_blocks;
   std::int32_t nxy_blocks;
-  std::uint32_t* block_id;  ///< out: block in the frame's box, kNoBlock without a trusted reading
-  std::uint16_t* place;     ///< out: M & 511
+  std::uint32_t* block_id;          ///< out: block in the frame's box, kNoBlock without a trusted reading
+  std::uint16_t* place;             ///< out: M & 511
   const std::uint8_t* colour_flag;  ///< from ClassifyRow
-  std::uint8_t* starts;     ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
+  std::uint8_t* starts;  ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
 };
 
 inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the invalid run on that side
@@ -63,16 +63,17 @@ inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the 
 /// One row of the upward pass over columns: pixels without a reading get their weak end.
 struct BoundRow {
   const std::uint16_t* depth;
-  const std::uint16_t* mask;   ///< free scan mask
+  const std::uint16_t* mask;  ///< free scan mask
   int count;
   std::uint16_t near_raw;
-  std::uint16_t* last;         ///< last reading below, carried upwards
-  std::uint16_t* ends;         ///< in: nearest reading beside or above, where there is none here; out: the weak end
+  std::uint16_t* last;  ///< last reading below, carried upwards
+  std::uint16_t* ends;  ///< in: nearest reading beside or above, where there is none here; out: the weak end
 };
 
 /// Everything that is the same for all blocks of a frame in the projective test.
 struct ProjectionTables {
-  alignas(64) float x_px_m[512];  ///< fx times the offset along the camera's x of each place from the block's first voxel
+  alignas(
+      64) float x_px_m[512];  ///< fx times the offset along the camera's x of each place from the block's first voxel
   alignas(64) float y_px_m[512];
   alignas(64) float z_units[512];  ///< offset along the optical axis, in raw depth units
 };
@@ -80,36 +81,36 @@ struct ProjectionTables {
 /// One brick of 64 voxels against one footprint image.
 struct ProjectBrick {
   const ProjectionTables* tables;
-  int first_place;            ///< 0, 64, ... 448
-  float x_px_m;               ///< fx * camera x of the block's first voxel
+  int first_place;  ///< 0, 64, ... 448
+  float x_px_m;     ///< fx * camera x of the block's first voxel
   float y_px_m;
-  float z_units;              ///< its depth, in raw units
+  float z_units;  ///< its depth, in raw units
   float metres_per_unit;
-  float min_z_units;          ///< nearer voxels are never freed
-  float bias_units;           ///< how far beyond the voxel's centre the ray must reach
-  float scale;                ///< 1 / pixels per cell of the footprint image
-  float shift_x;              ///< added to the scaled pixel coordinate: half a window, padding, principal point
+  float min_z_units;  ///< nearer voxels are never freed
+  float bias_units;   ///< how far beyond the voxel's centre the ray must reach
+  float scale;        ///< 1 / pixels per cell of the footprint image
+  float shift_x;      ///< added to the scaled pixel coordinate: half a window, padding, principal point
   float shift_y;
-  float first_x;              ///< smallest and largest start cell, as float: the window always meets the image
+  float first_x;  ///< smallest and largest start cell, as float: the window always meets the image
   float first_y;
   float last_x;
   float last_y;
-  bool at_border;             ///< some voxels may lie outside of the image: test the four planes
-  float left_px;              ///< pixel coordinates from the principal point to the centres of the outermost pixels
+  bool at_border;  ///< some voxels may lie outside of the image: test the four planes
+  float left_px;   ///< pixel coordinates from the principal point to the centres of the outermost pixels
   float right_px;
   float top_px;
   float bottom_px;
-  float reach_px_m[4];        ///< left, right, top, bottom: how far a voxel reaches across each plane, times f
-  float far_units;            ///< where the rays of far readings end
-  float far_bias_units;       ///< bias against these ends: they are no surface
+  float reach_px_m[4];   ///< left, right, top, bottom: how far a voxel reaches across each plane, times f
+  float far_units;       ///< where the rays of far readings end
+  float far_bias_units;  ///< bias against these ends: they are no surface
   int stride;
   const std::uint16_t* image;
 };
 
 struct ApplyBlock {
-  std::uint8_t* levels;             ///< 512 stored bytes, updated in place
-  const std::uint8_t* hits;         ///< 512 flags, or nullptr: no hit in this block
-  const std::uint8_t* free;         ///< 512 flags, or nullptr: nothing free
+  std::uint8_t* levels;      ///< 512 stored bytes, updated in place
+  const std::uint8_t* hits;  ///< 512 flags, or nullptr: no hit in this block
+  const std::uint8_t* free;  ///< 512 flags, or nullptr: nothing free
   UpdateSteps steps;
 };
 
@@ -123,27 +124,27 @@ inline constexpr int kRayLanes = 32;
 
 /// Up to 32 neighbouring pixels of one row whose rays walk the frame's byte grid in lockstep.
 struct RayRow {
-  const std::uint16_t* ends;    ///< raw depth of each ray's end; 0 = no ray
-  const std::uint16_t* depth;   ///< the readings: 0 marks a weak ray
-  int lanes;                    ///< 1..32
-  bool strong;                  ///< walk the rays of readings, or those of pixels without one
-  const float* column_slope;    ///< (u - cx) / fx; 32 may be read
+  const std::uint16_t* ends;   ///< raw depth of each ray's end; 0 = no ray
+  const std::uint16_t* depth;  ///< the readings: 0 marks a weak ray
+  int lanes;                   ///< 1..32
+  bool strong;                 ///< walk the rays of readings, or those of pixels without one
+  const float* column_slope;   ///< (u - cx) / fx; 32 may be read
   float metres_per_unit;
   float resolution_m;
-  float column[3];              ///< as in UnprojectRow
+  float column[3];  ///< as in UnprojectRow
   float row_part[3];
   float translation[3];
-  std::int32_t origin[3];       ///< lowest voxel of the grid
-  std::int32_t stride[3];       ///< cells of the byte grid from one voxel to the next along each axis
+  std::int32_t origin[3];  ///< lowest voxel of the grid
+  std::int32_t stride[3];  ///< cells of the byte grid from one voxel to the next along each axis
   std::uint8_t* grid;
-  std::int32_t spare_cell;      ///< lanes that are done write here
+  std::int32_t spare_cell;  ///< lanes that are done write here
 };
 
 inline constexpr int kMostBoxes = 64;
 
 /// What is the same for all cubes of one size in a frame.
 struct BoxView {
-  float half_x_m;       ///< half extents of the cube along the camera's axes
+  float half_x_m;  ///< half extents of the cube along the camera's axes
   float half_y_m;
   float half_z_m;
   float fx_px;
@@ -152,9 +153,9 @@ struct BoxView {
   float cy_px;
   float last_u_px;
   float last_v_px;
-  float near_plane_m;   ///< nearer cubes are not projected: they may cover the whole image
+  float near_plane_m;  ///< nearer cubes are not projected: they may cover the whole image
   float far_m;
-  float window_px_m;    ///< a voxel at depth z is looked up in a window of about window_px_m / z pixels
+  float window_px_m;  ///< a voxel at depth z is looked up in a window of about window_px_m / z pixels
 };
 
 /// Camera-frame centres of up to 64 cubes, and what their projections cover.
@@ -162,7 +163,7 @@ struct BoxBounds {
   alignas(64) float x_m[kMostBoxes];
   alignas(64) float y_m[kMostBoxes];
   alignas(64) float z_m[kMostBoxes];
-  alignas(64) std::int32_t u0[kMostBoxes];      ///< columns and rows that any window of the cube's voxels touches
+  alignas(64) std::int32_t u0[kMostBoxes];  ///< columns and rows that any window of the cube's voxels touches
   alignas(64) std::int32_t v0[kMostBoxes];
   alignas(64) std::int32_t u1[kMostBoxes];
   alignas(64) std::int32_t v1[kMostBoxes];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays walk the frame's byte grid in lockstep, sixteen to a vector and two vectors side by side: one vector's step waits
-// for its own comparisons, two hide each other's waiting. Neighbours have nearly the same length and touch the same lines.
+// Rays walk the frame's byte grid in lockstep, sixteen to a vector and two vectors side by side: one vector's step
+// waits for its own comparisons, two hide each other's waiting. Neighbours have nearly the same length and touch the
+// same lines.
 #include <cmath>
 #include <limits>
 
@@ -51,7 +52,8 @@ inline void find_ends(const RayRow& row, RayEndsOfRow& rays) {
     rays.start[axis] = row.translation[axis] / row.resolution_m;
     rays.first[axis] = static_cast<std::int32_t>(std::ceil(rays.start[axis])) + 32767 - row.origin[axis];
     for (int lane = 0; lane < kRayLanes; ++lane) {
-      const float p = (row.row_part[axis] + row.column_slope[lane] * row.column[axis]) * z_m[lane] + row.translation[axis];
+      const float p =
+          (row.row_part[axis] + row.column_slope[lane] * row.column[axis]) * z_m[lane] + row.translation[axis];
       rays.end[axis][lane] = p / row.resolution_m;
       rays.last[axis][lane] = static_cast<std::int32_t>(std::ceil(rays.end[axis][lane])) + 32767 - row.origin[axis];
     }
