@@ -26,7 +26,7 @@ TEST_CASE("Latest counts generations and keeps the newest value") {
 }
 
 TEST_CASE("Readers get whole values and their generation while the writer writes", "[threads]") {
-  constexpr std::uint64_t kCount = 300'000;
+  constexpr std::uint64_t kCount = 100'000;
   using Value = std::array<std::uint64_t, 6>;
   Latest<Value> latest;
   std::thread writer([&] {

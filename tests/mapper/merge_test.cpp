@@ -72,7 +72,7 @@ TEST_CASE("Merging one map in place gives it back") {
   CHECK(tests::same_map(*map, *merged({{map.get(), {}, 1}})));
 }
 
-TEST_CASE("The order of the maps does not matter, turned ones included") {
+TEST_CASE("The order of the maps does not matter, turned ones included", "[slow]") {
   std::vector<std::unique_ptr<VoxelMap>> maps;
   for (std::uint64_t i = 0; i < 4; ++i) maps.push_back(tests::random_map(72 + i, 60));
   std::vector<MergeSource> sources{{maps[0].get(), {}, 3},

@@ -70,7 +70,7 @@ struct Walk {
 
 }  // namespace
 
-TEST_CASE("a walk in a small pool with a window gives the map of a large pool", "[mapper][window]") {
+TEST_CASE("a walk in a small pool with a window gives the map of a large pool", "[mapper][window][slow]") {
   const float resolution_m = GENERATE(0.05F, 0.1F);
   const double radius_m = GENERATE(0.0, 12.0);
   Walk unlimited(kPlenty, resolution_m);
@@ -111,7 +111,7 @@ TEST_CASE("a walk in a small pool with a window gives the map of a large pool", 
   CHECK(size.value().counts.coloured == unlimited.mapper.map().counts().coloured);
 }
 
-TEST_CASE("the window shrinks before a pool refuses", "[mapper][window]") {
+TEST_CASE("the window shrinks before a pool refuses", "[mapper][window][slow]") {
   Walk unlimited(kPlenty);
   unlimited.walk.length_m = 64.0;
   unlimited.go(320);
@@ -140,7 +140,7 @@ TEST_CASE("nothing thrashes: a camera that stays or sways moves no region twice"
   CHECK(paged.window->counts().regions_in <= in + 4);
 }
 
-TEST_CASE("jumps across the world find every region as it was left", "[mapper][window]") {
+TEST_CASE("jumps across the world find every region as it was left", "[mapper][window][slow]") {
   const std::uint64_t seed = GENERATE(1U, 2U, 3U);
   tests::Random random(seed);
   Walk unlimited(kPlenty, 0.1F);
@@ -166,7 +166,7 @@ TEST_CASE("a frame outside of the grid moves nothing", "[mapper][window]") {
   CHECK(paged.window->counts().regions_out == 0);
 }
 
-TEST_CASE("what a full disk does not take stays in memory", "[mapper][window]") {
+TEST_CASE("what a full disk does not take stays in memory", "[mapper][window][slow]") {
   Walk unlimited(kPlenty);
   unlimited.go(400);
   Walk paged(kPlenty);
@@ -180,7 +180,7 @@ TEST_CASE("what a full disk does not take stays in memory", "[mapper][window]") 
   CHECK(paged.window->first_error().find("full") != std::string::npos);
 }
 
-TEST_CASE("a region that was spoiled on disk is reported, the others are there", "[mapper][window]") {
+TEST_CASE("a region that was spoiled on disk is reported, the others are there", "[mapper][window][slow]") {
   Walk paged(kPlenty);
   auto file = std::make_unique<MemoryPageFile>();
   MemoryPageFile& disk = *file;

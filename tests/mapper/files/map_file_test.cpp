@@ -87,7 +87,7 @@ TEST_CASE("A missing, an empty and a foreign map file each say so") {
   CHECK(load_map(folder / "foreign.g3d").error().text.find("not a g3d map") != std::string::npos);
 }
 
-TEST_CASE("A process killed at any moment of a save leaves the old map or the new one") {
+TEST_CASE("A process killed at any moment of a save leaves the old map or the new one", "[slow]") {
   const TemporaryFolder folder;
   const std::string path = folder / "map.g3d";
   const auto old_map = tests::random_map(42, 2000);
