@@ -114,6 +114,9 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* sim_command = add_command(app, "sim", "Fly a simulated Kinect through a world and map it", kSimExamples);
   sim_command->add_option("--world", sim.world, "World file, map_server yaml, or builtin")->capture_default_str();
   sim_command->add_option("--camera-path", sim.camera_path, "Way of the camera, or builtin")->capture_default_str();
+  sim_command->add_option("--laps", sim.laps, "Fly the way so many times")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   sim_command->add_option("--duration", sim.duration_s, "Stop after so many simulated seconds; 0: where the path ends")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();

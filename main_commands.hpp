@@ -45,6 +45,7 @@ struct SimOptions {
   MappingOptions mapping;
   std::string world = "builtin";  ///< our world file, a map_server yaml, or builtin
   std::string camera_path = "builtin";
+  int laps = 1;                         ///< how often the path is flown
   double duration_s = 0.0;              ///< 0: to the end of the path
   std::optional<double> frame_rate_hz;  ///< none: the board camera's
   bool no_noise = false;

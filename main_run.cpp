@@ -237,6 +237,10 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
                                           : nav::write_native_output(*whole, output_options, options.out_dir);
   report.file_bytes = outputs.map_file_bytes;
   failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+  std::error_code no_size;
+  if (const auto bytes = std::filesystem::file_size(trajectory_path, no_size); !no_size) {
+    outputs.files.push_back({trajectory_path, "the camera's way", bytes});
+  }
   const std::string json = to_json(report);
   const std::string report_path = options.out_dir + "/report.json";
   if (const auto written = hal::write_file_atomic(report_path, json); !written) {
@@ -288,6 +292,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const std::string path_name = options.camera_path == "builtin" ? world_name : options.camera_path;
   auto path = hal::load_camera_path(path_name);
   if (!path) return fail(path.error().text);
+  path = path.value().laps(options.laps);
 
   hal::SimCameraOptions camera_options;
   camera_options.renderer.noise = !options.no_noise;

@@ -101,6 +101,19 @@ Pose CameraPath::pose_at(TimeNs time_ns) const {
   return camera_pose({v[0], v[1], v[2]}, v[3], v[4]);
 }
 
+CameraPath CameraPath::laps(int count) const {
+  const double period_s = knots_.back().t_s - knots_.front().t_s;
+  std::vector<PathWaypoint> waypoints;
+  waypoints.reserve(knots_.size() * static_cast<std::size_t>(count));
+  for (int lap = 0; lap < count; ++lap) {
+    // The end of one lap is the beginning of the next.
+    for (std::size_t i = lap == 0 ? 0 : 1; i < knots_.size(); ++i) {
+      waypoints.push_back({knots_[i].t_s + lap * period_s, knots_[i].value});
+    }
+  }
+  return CameraPath(std::move(waypoints));
+}
+
 Result<CameraPath> parse_camera_path(std::string_view text, std::string_view file) {
   struct Column {
     std::string_view name;

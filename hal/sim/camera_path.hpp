@@ -35,6 +35,9 @@ class CameraPath {
   [[nodiscard]] TimeNs end_ns() const;
   /// T_world_camera; before the first waypoint and after the last, the camera rests there.
   [[nodiscard]] Pose pose_at(TimeNs time_ns) const;
+  /// The same way `count` times in a row, at least once; where it does not end at its beginning, the camera flies
+  /// there.
+  [[nodiscard]] CameraPath laps(int count) const;
 
  private:
   struct Knot {

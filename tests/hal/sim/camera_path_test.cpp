@@ -65,6 +65,29 @@ TEST_CASE("yaw takes the shorter way round") {
   check_near(axis(parsed.value().pose_at(1'000'000'000), 2), axis(camera_pose({}, 190, 0), 2));
 }
 
+TEST_CASE("laps go round and round, yaw included") {
+  const auto parsed = parse_camera_path("1 0 0 0 0 0\n2 1 0 0 120 0\n3 1 1 0 240 0\n4 0 0 0 0 0\n", "p");
+  REQUIRE(parsed);
+  const CameraPath& once = parsed.value();
+  const CameraPath thrice = once.laps(3);
+  CHECK(thrice.begin_ns() == once.begin_ns());
+  CHECK(thrice.end_ns() == 10'000'000'000);
+  for (const std::int64_t at_s : {1, 2, 3, 4}) {
+    for (const std::int64_t lap : {0, 1, 2}) {
+      CAPTURE(at_s, lap);
+      const Pose expected = once.pose_at(at_s * 1'000'000'000);
+      const Pose pose = thrice.pose_at((at_s + 3 * lap) * 1'000'000'000);
+      check_near(pose.translation_m, expected.translation_m);
+      check_near(axis(pose, 2), axis(expected, 2));
+    }
+  }
+  const CameraPath same = once.laps(1);
+  CHECK(same.pose_at(1'700'000'000).translation_m == once.pose_at(1'700'000'000).translation_m);
+  const auto at_rest = parse_camera_path("2.5 1 2 3 90 0", "p");
+  REQUIRE(at_rest);
+  CHECK(at_rest.value().laps(5).end_ns() == at_rest.value().end_ns());
+}
+
 TEST_CASE("a single waypoint is a camera at rest") {
   const auto parsed = parse_camera_path("2.5 1 2 3 90 0", "p");
   REQUIRE(parsed);
