@@ -54,11 +54,10 @@ ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
-FUZZ_RUNS ?= 20000
-SOAK_FUZZ_RUNS ?= 1000000
+FUZZ_RUNS ?= 5000
 TEST_ARGS ?=
 
-.PHONY: all help unit-tests system-tests test asan tsan fuzz bench soak format lint tidy house clean \
+.PHONY: all help unit-tests system-tests test asan tsan fuzz bench bench-full soak format lint tidy house clean \
   build-test build-asan build-tsan fuzz-here tsan-tests tsan-run
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -97,7 +96,7 @@ system-tests: $(BUILD)/system_tests $(EXE) ## tests that run the built program
 test: unit-tests system-tests ## unit and system tests
 
 build-asan: $(RUNNER_OBJ)
-	$(MAKE) $(ASAN) build/asan/unit_tests
+	$(MAKE) $(ASAN) build/asan/unit_tests fuzz-programs
 asan: build-asan ## unit tests under address and undefined-behaviour sanitizer
 	$(ASAN_ENV) build/asan/unit_tests $(TEST_ARGS)
 
@@ -111,22 +110,24 @@ tsan-run: build-tsan
 
 fuzz: ## every reader of outside data, FUZZ_RUNS inputs each (clang)
 	$(MAKE) $(ASAN) FUZZ_RUNS=$(FUZZ_RUNS) fuzz-here
+.PHONY: fuzz-programs
+fuzz-programs: $(FUZZ_EXE)
 fuzz-here: $(FUZZ_EXE)
 	$(ASAN_ENV) tests/fuzz/run $(BUILD)/fuzz $(FUZZ_RUNS)
 $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(LIB)
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(FLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
 
-bench: $(BENCH_EXE) ## every benchmark in tests/bench
-	@for program in $(BENCH_EXE); do echo "== $$program"; $$program $(BENCH_ARGS) || exit 1; done
+bench: all $(BENCH_EXE) ## benchmarks, in some minutes; options and figures in tests/bench/RESULTS.md
+	scripts/bench
+bench-full: all $(BENCH_EXE) ## the same with all frames: OctoMap takes an hour
+	scripts/bench full
 $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
-soak: build-test ## the long runs: tests tagged [.soak], SOAK_FUZZ_RUNS inputs per fuzz target
-	$(BUILD)/unit_tests "[.soak]"
-	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests "[.soak]"
-	$(MAKE) fuzz FUZZ_RUNS=$(SOAK_FUZZ_RUNS)
+soak: build-test ## the long runs, hours of them; starts again where it was stopped
+	scripts/soak
 
 SOURCES = $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
 TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline
