@@ -127,7 +127,7 @@ void run(const test::Workload& work, float resolution_m, bool with_octomap) {
 
 int main(int argc, char** argv) {
   int frames = 60;
-  double step_s = 1.0;  // the whole minute's drive
+  double step_s = 0.0;  // 0: spread over the whole minute's drive
   std::string log;
   bool with_octomap = true;
   std::vector<float> resolutions_m;
@@ -142,8 +142,9 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--log") == 0 && has_value) log = argv[++i];
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
-  const test::Workload work = log.empty() ? test::simulated_drive("furnished_room", frames, step_s)
-                                          : test::recorded(log, static_cast<std::size_t>(frames));
+  const test::Workload work =
+      log.empty() ? test::simulated_drive("furnished_room", frames, step_s > 0.0 ? step_s : 60.0 / frames)
+                  : test::recorded(log, static_cast<std::size_t>(frames));
   if (work.frames.size() <= kWarmUp_frames) {
     fmt::print(stderr, "speed_bench: {} has {} frames, more than {} are needed\n", work.name, work.frames.size(),
                kWarmUp_frames);
