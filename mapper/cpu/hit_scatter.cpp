@@ -53,7 +53,8 @@ void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const 
   pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard)); });
 }
 
-// Runs begin where `starts` says so, 64 pixels to a word of bits; hardly a branch depends on the image.
+// Runs begin where `starts` says so, 64 pixels to a word of bits. Where the row above was in the same voxel there is
+// nothing to add: its pixels have lower indices, and its hit and colour are recorded.
 template <typename Emit>
 void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
                           const Kernels& kernels, Emit&& emit) {
@@ -65,6 +66,8 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
   std::fill(starts.begin() + width, starts.begin() + width + 64, std::uint8_t{0});  // nothing begins beyond the row
   alignas(64) std::array<std::uint32_t, hal::kMaxImageSide_px> block_ids;
   alignas(64) std::array<std::uint16_t, hal::kMaxImageSide_px> places;
+  alignas(64) std::array<std::array<std::uint32_t, hal::kMaxImageSide_px>, 2> codes;  // of this row and the one above
+  const bool codes_are_exact = frame.block_count() < kMostCodedBlocks;
   UnprojectRow row{};
   row.column_slope = sensor_->column_slope.data();
   row.width = width;
@@ -90,7 +93,10 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
     const std::size_t offset = static_cast<std::size_t>(v * width);
     row.depth = ends.depth() + offset;
     row.colour_flag = ends.colour_flags() + offset;
+    const auto own = static_cast<std::size_t>(v & 1);
+    row.code = codes[own].data();
     kernels.unproject_row(row);
+    if (v > first && codes_are_exact) kernels.drop_repeats(row.code, codes[own ^ 1].data(), width, starts.data());
     const std::uint8_t* colours = rgb != nullptr ? rgb + 3 * offset : nullptr;
     for (int u = 0; u < width; u += 64) {
       std::uint64_t bits = 0;

@@ -149,6 +149,7 @@ const Kernels& table() {
                                   carry_down,
                                   bound_up,
                                   unproject_row,
+                                  drop_repeats,
                                   max_filter_row,
                                   halve_max_row,
                                   halve_min_row,

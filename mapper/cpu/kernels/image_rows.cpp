@@ -114,11 +114,25 @@ void unproject_row(const UnprojectRow& row) {
                                           (spread_three_bits(kz & 7) << 2));
   }
   const std::uint8_t* __restrict colour_flag = row.colour_flag;
+  std::uint32_t* __restrict code = row.code;
+  for (int u = 0; u < r.width; ++u) {
+    code[u] =
+        block_id[u] << 10 | static_cast<std::uint32_t>(place[u]) << 1 | static_cast<std::uint32_t>(colour_flag[u] >> 1);
+  }
   std::uint8_t* __restrict starts = row.starts;
   starts[0] = 1;
   for (int u = 1; u < r.width; ++u) {
-    starts[u] = static_cast<std::uint8_t>((block_id[u] != block_id[u - 1]) | (place[u] != place[u - 1]) |
-                                          (colour_flag[u] != colour_flag[u - 1]));
+    starts[u] = static_cast<std::uint8_t>((code[u] != code[u - 1]) | (block_id[u] != block_id[u - 1]));
+  }
+}
+
+void drop_repeats(const std::uint32_t* code, const std::uint32_t* code_above, int width, std::uint8_t* starts) {
+  const std::uint32_t* __restrict own = code;
+  const std::uint32_t* __restrict above = code_above;
+  std::uint8_t* __restrict out = starts;
+  for (int u = 1; u < width - 1; ++u) {
+    const bool fresh = (own[u] != above[u - 1]) & (own[u] != above[u]) & (own[u] != above[u + 1]);
+    out[u] = static_cast<std::uint8_t>(out[u] & (fresh ? 1 : 0));
   }
 }
 

@@ -55,8 +55,11 @@ struct UnprojectRow {
   std::uint32_t* block_id;          ///< out: block in the frame's box, kNoBlock without a trusted reading
   std::uint16_t* place;             ///< out: M & 511
   const std::uint8_t* colour_flag;  ///< from ClassifyRow
+  std::uint32_t* code;              ///< out: block_id << 10 | place << 1 | whether the flag is set
   std::uint8_t* starts;  ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
 };
+/// Boxes with more blocks have voxels that share a code.
+inline constexpr std::uint32_t kMostCodedBlocks = 1U << 22;
 
 inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the invalid run on that side
 
@@ -182,6 +185,8 @@ struct Kernels {
   void (*carry_down)(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends);
   void (*bound_up)(const BoundRow&);
   void (*unproject_row)(const UnprojectRow&);
+  /// Clears starts[u] where one of the three pixels above has the same code: it has said it all.
+  void (*drop_repeats)(const std::uint32_t* code, const std::uint32_t* code_above, int width, std::uint8_t* starts);
   /// out[x] = max(a[x], a[x + shift], b[x], b[x + shift]) for x in [0, count).
   void (*max_filter_row)(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
   /// Halves two rows: out[x] = max (min) over a[2x], a[2x+1], b[2x], b[2x+1].

@@ -10,6 +10,7 @@ RowCounts classify_row(const ClassifyRow& row);
 void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends);
 void bound_up(const BoundRow& row);
 void unproject_row(const UnprojectRow& row);
+void drop_repeats(const std::uint32_t* code, const std::uint32_t* code_above, int width, std::uint8_t* starts);
 void max_filter_row(const std::uint16_t* a, const std::uint16_t* b, int shift, int count, std::uint16_t* out);
 void halve_max_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);
 void halve_min_row(const std::uint16_t* a, const std::uint16_t* b, int count, std::uint16_t* out);

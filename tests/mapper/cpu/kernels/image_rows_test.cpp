@@ -177,6 +177,8 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
           row.block_id = ids.data();
           row.place = places.data();
           row.colour_flag = flags.data();
+          std::vector<std::uint32_t> codes(depth.size());
+          row.code = codes.data();
           row.starts = starts.data();
           kernels->unproject_row(row);
           const Grid grid{resolution_m};
@@ -196,8 +198,35 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
             const bool starts_here =
                 u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1] || flags[u] != flags[u - 1];
             REQUIRE(starts[u] == (starts_here ? 1 : 0));
+            REQUIRE(codes[u] ==
+                    (ids[u] << 10 | static_cast<std::uint32_t>(places[u]) << 1 | (flags[u] != 0 ? 1U : 0U)));
           }
         }
+      }
+    }
+  }
+}
+
+TEST_CASE("drop_repeats drops what one of the three pixels above has said") {
+  Random random(6);
+  for (const int width : lengths()) {
+    const auto n = static_cast<std::size_t>(width);
+    std::vector<std::uint32_t> own(n);
+    std::vector<std::uint32_t> above(n);
+    std::vector<std::uint8_t> before(n);
+    for (std::size_t u = 0; u < n; ++u) {
+      own[u] = random.below(6);
+      above[u] = random.below(6);
+      before[u] = static_cast<std::uint8_t>(random.below(2));
+    }
+    for (const Kernels* kernels : test::kernel_variants()) {
+      INFO(kernels->name << " width " << width);
+      std::vector<std::uint8_t> starts = before;
+      kernels->drop_repeats(own.data(), above.data(), width, starts.data());
+      for (std::size_t u = 0; u < n; ++u) {
+        const bool at_border = u == 0 || u + 1 >= n;
+        const bool repeats = !at_border && (own[u] == above[u - 1] || own[u] == above[u] || own[u] == above[u + 1]);
+        REQUIRE(starts[u] == (repeats ? 0 : before[u]));
       }
     }
   }
