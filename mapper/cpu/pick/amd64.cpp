@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which instruction set this amd64 processor has. The toolchain file names this source; other machines have one variant.
+// Which instruction set this amd64 processor has. The toolchain file names this source; other machines have one
+// variant.
 #include <cstring>
 
 #include "mapper/cpu/kernels/kernels.hpp"
@@ -19,8 +20,8 @@ namespace {
 
 // lzcnt and f16c came with AVX2 in every processor; clang 14 cannot ask for them by name.
 bool has_avx2() {
-  return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
-         __builtin_cpu_supports("popcnt") != 0;
+  return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
+         __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("popcnt") != 0;
 }
 bool has_avx512() {
   return has_avx2() && __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
@@ -35,6 +36,8 @@ const Kernels& kernels_by_name(const char* name) {
   return baseline::table();
 }
 
-const Kernels& best_kernels() { return has_avx512() ? avx512::table() : has_avx2() ? avx2::table() : baseline::table(); }
+const Kernels& best_kernels() {
+  return has_avx512() ? avx512::table() : has_avx2() ? avx2::table() : baseline::table();
+}
 
 }  // namespace g3d::mapper::cpu
