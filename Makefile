@@ -6,6 +6,8 @@ include $(TOOLCHAIN)
 BUILD ?= build/host
 OPT ?= -O2 -g1
 SANITIZE ?=
+# What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
+COVERAGE ?=
 CCACHE := $(shell command -v ccache 2>/dev/null)
 # ccache refuses precompiled headers unless told that their time stamps may be trusted.
 export CCACHE_SLOPPINESS ?= pch_defines,time_macros
@@ -16,7 +18,7 @@ WARN := $(WARN_BASE)
 # clang dislikes `|` between conditions, which keeps loops free of branches.
 WARN += $(if $(findstring clang,$(CXX)),-Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses,-Wno-restrict -Wno-stringop-overflow)
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
-FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE)
+FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE) $(COVERED)
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 LIBS := -lpng -ljpeg -lzstd -lsodium -lz
 TEST_LIBS := -loctomap -loctomath
@@ -50,7 +52,7 @@ PCH := $(BUILD)/tests/precompiled.hpp
 
 # One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
-  SANITIZE="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer"
+  SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
@@ -164,6 +166,10 @@ $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
 # Where the time of a frame goes, the last optimisation counts.
 $(filter $(BUILD)/mapper/cpu/% $(BUILD)/hal/sim/%,$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
+
+READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
+  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o)
+$(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
 
 $(RUNNER_OBJ): tests/main.cpp
 	@mkdir -p $(@D)

@@ -200,12 +200,12 @@ TEST_CASE("a region that was spoiled on disk is reported, the others are there",
 
 TEST_CASE("in real time the mapper never waits, and nothing is lost", "[mapper][window][threads]") {
   Walk unlimited(kPlenty);
-  unlimited.go(220);
+  unlimited.go(130);
   Walk paged(kPlenty);
   auto file = std::make_unique<MemoryPageFile>();
   file->delay_us = GENERATE(0, 300);
   paged.open_window(std::move(file), {.radius_m = 0.0, .lockstep = false});
-  paged.go(220);
+  paged.go(130);
   const std::string hash = paged.hash();
   const WindowCounts& counts = paged.window->counts();
   CHECK(counts.regions_out > 0);

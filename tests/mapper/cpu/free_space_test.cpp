@@ -87,7 +87,7 @@ const std::array<double, 3> kPersonHigh_m{1.6, 0.4, 1.55};
 
 }  // namespace
 
-TEST_CASE("somebody who comes too near is not erased, and is gone half a second after leaving the view") {
+TEST_CASE("somebody who comes too near is not erased, and is gone half a second after leaving the view", "[slow]") {
   for (const IntegratorKind kind : kAllKinds) {
     // Stands at 1.2 m for a second, comes up to 0.65 m (too near) and 0.55 m (no reading at all), leaves sideways.
     const hal::Mover walk{{{0.0, 1.2, 0.0},
@@ -110,7 +110,7 @@ TEST_CASE("somebody who comes too near is not erased, and is gone half a second 
   }
 }
 
-TEST_CASE("somebody who stood for long and walks away is gone within half a second") {
+TEST_CASE("somebody who stood for long and walks away is gone within half a second", "[slow]") {
   for (const IntegratorKind kind : kAllKinds) {
     const hal::Mover walk{{{0.0, 1.8, 0.0}, {3.0, 1.8, 0.0}, {3.5, 1.8, 2.5}}};
     Stage stage(walk, kind);
@@ -123,7 +123,7 @@ TEST_CASE("somebody who stood for long and walks away is gone within half a seco
   }
 }
 
-TEST_CASE("the wall behind somebody who stands in front of it stays") {
+TEST_CASE("the wall behind somebody who stands in front of it stays", "[slow]") {
   for (const IntegratorKind kind : kAllKinds) {
     const hal::Mover walk{{{0.0, 1.5, 4.0}, {2.0, 1.5, 4.0}, {3.0, 1.5, 0.0}, {5.0, 0.7, 0.0}}};
     Stage stage(walk, kind);
