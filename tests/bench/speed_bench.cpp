@@ -2,7 +2,8 @@
 // Time of one frame, points and pose in, map updated out: liboctomap and our integrators in turn on the same frame, one
 // thread each, and the projective one on two. Medians over the frames after the first five, and the ratio frame by
 // frame.
-//   speed_bench [--resolution METRES]... [--frames N] [--step SECONDS] [--log FOLDER] [--no-octomap] [--cpu-time]
+//   speed_bench [--resolution METRES]... [--frames N] [--step SECONDS] [--start SECONDS] [--log FOLDER] [--no-octomap]
+//   [--cpu-time]
 #include <fmt/format.h>
 #include <octomap/octomap.h>
 #include <time.h>
@@ -127,6 +128,7 @@ void run(const test::Workload& work, float resolution_m, bool with_octomap) {
 
 int main(int argc, char** argv) {
   int frames = 60;
+  double start_s = 0.0;
   double step_s = 0.0;  // 0: spread over the whole minute's drive
   std::string log;
   bool with_octomap = true;
@@ -137,13 +139,14 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--no-octomap") == 0) with_octomap = false;
     if (std::strcmp(argv[i], "--frames") == 0 && has_value) frames = std::atoi(argv[++i]);
     if (std::strcmp(argv[i], "--step") == 0 && has_value) step_s = std::atof(argv[++i]);
+    if (std::strcmp(argv[i], "--start") == 0 && has_value) start_s = std::atof(argv[++i]);
     if (std::strcmp(argv[i], "--resolution") == 0 && has_value)
       resolutions_m.push_back(static_cast<float>(std::atof(argv[++i])));
     if (std::strcmp(argv[i], "--log") == 0 && has_value) log = argv[++i];
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
   const test::Workload work =
-      log.empty() ? test::simulated_drive("furnished_room", frames, step_s > 0.0 ? step_s : 60.0 / frames)
+      log.empty() ? test::simulated_drive("furnished_room", frames, step_s > 0.0 ? step_s : 60.0 / frames, start_s)
                   : test::recorded(log, static_cast<std::size_t>(frames));
   if (work.frames.size() <= kWarmUp_frames) {
     fmt::print(stderr, "speed_bench: {} has {} frames, more than {} are needed\n", work.name, work.frames.size(),
