@@ -78,7 +78,9 @@ struct Mapper::Parts {
         pyramid(camera.width_px, camera.height_px),
         hits(sensor),
         updater(map, sensor, settings.steps),
-        free_space(make_free_space(settings, sensor)) {}
+        free_space(make_free_space(settings, sensor)) {
+    map.touch();
+  }
 
   /// Hits that no free block took along: all of them in static mode.
   void offer_remaining_hits(const cpu::FrameGeometry& frame, std::uint32_t chunk) {

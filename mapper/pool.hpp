@@ -36,6 +36,12 @@ class ReservedArray {
   [[nodiscard]] const T* data() const { return data_; }
   [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] std::size_t size_bytes() const { return bytes_; }
+  /// Has the system provide the first `bytes` now, so that no frame waits for them.
+  void touch(std::size_t bytes) {
+    constexpr std::size_t kPage_bytes = 4096;
+    auto* first = reinterpret_cast<volatile char*>(data_);
+    for (std::size_t i = 0; i < bytes_ && i < bytes; i += kPage_bytes) first[i] = first[i];
+  }
   /// Back to zero bytes; gives the pages back to the system.
   void reset() { madvise(data_, bytes_, MADV_DONTNEED); }
 
@@ -72,6 +78,8 @@ class SlotPool {
     free_count_ = 0;
     high_water_.store(0, std::memory_order_relaxed);
   }
+
+  void touch(std::size_t bytes) { items_.touch(bytes); }
 
   [[nodiscard]] T& operator[](std::uint32_t slot) { return items_[slot]; }
   [[nodiscard]] const T& operator[](std::uint32_t slot) const { return items_[slot]; }

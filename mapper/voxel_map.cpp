@@ -110,6 +110,14 @@ void VoxelMap::clear() {
   bricks_.reset();
 }
 
+void VoxelMap::touch() {
+  constexpr std::size_t kFirstPart_bytes = std::size_t{4} << 20;  // some seconds of a walk at 2 cm
+  table_.touch(table_.size_bytes());
+  headers_.touch(kFirstPart_bytes);
+  planes_.touch(kFirstPart_bytes);
+  bricks_.touch(kFirstPart_bytes);
+}
+
 bool VoxelMap::make_dense(BlockHeader& header) {
   if (header.plane != kNoSlot) return true;
   const std::uint32_t index = planes_.take();

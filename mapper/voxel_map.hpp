@@ -103,6 +103,8 @@ class VoxelMap {
   /// Forgets a block and gives its memory back. False if there was none.
   bool erase_block(BlockKey key);
   void clear();
+  /// Has the system provide the hash table and the first part of every pool now. For a map that frames will fill.
+  void touch();
 
   // For integrators: slots are stable until erase_block().
   [[nodiscard]] std::uint32_t find(BlockKey key) const;

@@ -33,7 +33,15 @@ BlockUpdater::BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSt
       lane_shrinking_(rounded_box_blocks(sensor) * 2),
       stored_flags_(rounded_box_blocks(sensor)),
       lanes_(most_chunks_),
-      changed_(rounded_box_blocks(sensor)) {}
+      changed_(rounded_box_blocks(sensor)) {
+  constexpr std::size_t kFirstPart_bytes = std::size_t{4} << 20;
+  slot_cache_.touch(slot_cache_.size_bytes());
+  waiting_.touch(kFirstPart_bytes);
+  lane_changed_.touch(kFirstPart_bytes);
+  lane_shrinking_.touch(kFirstPart_bytes);
+  stored_flags_.touch(kFirstPart_bytes);
+  changed_.touch(kFirstPart_bytes);
+}
 
 void BlockUpdater::begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels,
                          std::uint32_t frame_number, std::uint32_t chunks, std::uint32_t blocks_per_chunk) {

@@ -25,7 +25,14 @@ HitScatter::HitScatter(const SensorGeometry& sensor)
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
       record_of_block_(sensor.max_box_blocks()),
       records_(std::min(sensor.camera.pixel_count(), sensor.max_box_blocks())),
-      shard_records_(reserve_each(records_.size(), std::make_index_sequence<kShards>{})) {}
+      shard_records_(reserve_each(records_.size(), std::make_index_sequence<kShards>{})) {
+  // The lists of runs lie far apart, and every frame writes a little into each.
+  constexpr std::size_t kFirstPart_bytes = std::size_t{8} << 20;
+  runs_.touch(runs_.size_bytes());
+  record_of_block_.touch(kFirstPart_bytes);
+  records_.touch(kFirstPart_bytes);
+  for (auto& list : shard_records_) list.touch(kFirstPart_bytes / kShards);
+}
 
 void HitScatter::clear() {
   const std::uint32_t count = record_count_.load(std::memory_order_relaxed);
