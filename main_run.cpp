@@ -145,9 +145,11 @@ mapper::RunReport make_report(const mapper::Pipeline& pipeline, const mapper::Bl
 }
 
 std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
-  if (checkpoint.failed_saves() == 0) return fmt::format("{} checkpoints were saved meanwhile", checkpoint.saves());
-  return fmt::format("{} checkpoints were saved meanwhile, {} failed, the first one: {}", checkpoint.saves(),
-                     checkpoint.failed_saves(), checkpoint.first_error());
+  std::string note = fmt::format("map.g3d was saved at {} checkpoints", checkpoint.saves());
+  if (checkpoint.failed_saves() > 0) {
+    note += fmt::format(", {} failed, the first one: {}", checkpoint.failed_saves(), checkpoint.first_error());
+  }
+  return note;
 }
 
 /// What every mapping command does once it has a camera and poses.
