@@ -153,9 +153,6 @@ force:
 $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
 
-READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
-  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o)
-
 # Catch2 is parsed once per flavour, not once per test file.
 $(PCH).gch: OPT := -O1 -g1
 $(PCH).gch: tests/precompiled.hpp
@@ -163,16 +160,15 @@ $(PCH).gch: tests/precompiled.hpp
 	@cp $< $(PCH)
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(PCH).d -x c++-header -o $@ $<
 PCH_FLAGS = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(PCH)
-PCH_USERS := $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC))
-# Sanitized builds take it for the library too; the release build shows if a file forgot an include of its own.
-PCH_USERS += $(if $(SANITIZE),$(filter-out $(if $(COVERAGE),$(READERS)) %/version.o,$(call objects,$(LIB_SRC) $(MAIN_SRC))))
-$(PCH_USERS): private FLAGS += $(PCH_FLAGS)
-$(PCH_USERS): $(PCH).gch
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(PCH_FLAGS)
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
 # Tests are not what we measure; and a precompiled header wants the same options as its users.
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
 # Where the time of a frame goes, the last optimisation counts.
 $(filter $(BUILD)/mapper/cpu/% $(BUILD)/hal/sim/%,$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
 
+READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
+  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o)
 $(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
 
 $(RUNNER_OBJ): tests/main.cpp
