@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the robot's body, a disc, gets along an arc before it meets something: an occupied cell, or one that nobody
+// has seen. Cells are squares, not points: an obstacle may stand anywhere in its cell.
+#pragma once
+
+#include <vector>
+
+#include "hal/twist.hpp"
+#include "nav/cell_grid.hpp"
+
+namespace g3d::nav {
+
+struct ArcView {
+  double free_m = 0.0;       ///< the centre may go this far with the body on cells known to be free
+  double clear_m = 0.0;      ///< ... with the body touching no occupied cell
+  double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
+};
+
+/// Sees only what lies around the robot: gather() once per step, then look() along as many arcs as wanted.
+class ArcCheck {
+ public:
+  static constexpr double kNoticed_m = 0.15;  ///< obstacles farther from the body do not slow it down
+  static constexpr double kStep_m = 0.025;
+
+  /// `reach_m`: the longest arc. Memory is reserved here.
+  ArcCheck(double body_radius_m, double touch_margin_m, double reach_m, double resolution_m);
+
+  /// What lies outside of the grid is unknown. Cells that the body covers or touches already do not count as long as
+  /// it gets no deeper into them, so that a robot that stands against a wall can leave it.
+  void gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base);
+
+  /// `curvature_per_m` > 0 turns left when driving forward. `backward`: the same circle, the other way.
+  [[nodiscard]] ArcView look(double curvature_per_m, double length_m, bool backward = false) const;
+
+  /// Distance from the body to the nearest occupied cell, below 0 when inside; at most the reach.
+  [[nodiscard]] double clearance_m() const { return clearance_here_m_; }
+
+ private:
+  struct NearCell {
+    double x_m;  ///< centre, relative to the robot, world axes
+    double y_m;
+    double start_m;  ///< distance from the robot's centre to the cell
+    bool occupied;
+  };
+  [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m) const;
+
+  double body_radius_m_;
+  double touch_margin_m_;
+  double reach_m_;
+  double half_cell_m_ = 0.0;
+  double clearance_here_m_ = 0.0;
+  double forward_x_ = 1.0;  ///< the robot's x axis in the world
+  double forward_y_ = 0.0;
+  std::vector<NearCell> cells_;
+};
+
+}  // namespace g3d::nav
