@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// A* on the inflated costs: eight neighbours, integer costs (step_costs.hpp), octile distance to the goals' bounding
+// box as heuristic (consistent, so the path is optimal and no cell is expanded twice). Equal costs are settled by order
+// of work alone, so that results repeat. Thread: one. Sized at construction; a plan allocates nothing.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "mapper/pool.hpp"
+#include "nav/bucket_queue.hpp"
+#include "nav/cell_grid.hpp"
+#include "nav/step_costs.hpp"
+
+namespace g3d::nav {
+
+enum class PathStatus : std::uint8_t {
+  found,
+  unreachable,   ///< every cell that can be reached was looked at
+  goal_blocked,  ///< no goal lies on the grid where the robot could stand
+  start_outside,
+  budget_spent,  ///< resume() goes on
+};
+[[nodiscard]] const char* to_string(PathStatus status);
+
+struct AStarOptions {
+  StepOptions steps;
+  std::uint32_t max_expansions = std::numeric_limits<std::uint32_t>::max();  ///< per call of plan() or resume()
+};
+
+struct PathResult {
+  PathStatus status = PathStatus::unreachable;
+  std::span<const Cell> cells;   ///< start and goal included; valid until the planner's next call
+  std::uint32_t cost = 0;        ///< in units of kStraightCost per free cell
+  std::uint32_t expansions = 0;  ///< of this call
+};
+
+class AStar {
+ public:
+  /// For grids of at most this many cells.
+  explicit AStar(std::size_t max_cells);
+
+  /// The cheapest way from `start` to any of `goals`. The start cell itself may have any cost.
+  PathResult plan(const CellGrid<std::uint8_t>& cost, Cell start, std::span<const Cell> goals,
+                  const AStarOptions& options = {});
+  /// Goes on after budget_spent. The grid must be what it was: a changed grid wants a new plan().
+  PathResult resume(const CellGrid<std::uint8_t>& cost, std::uint32_t max_expansions);
+
+ private:
+  struct Node {
+    std::uint32_t g = 0;
+    std::uint32_t mark = 0;  ///< generation << 6 | goal | closed | direction it was reached by
+  };
+  static constexpr std::uint32_t kDirectionMask = 0xF, kClosed = 0x10, kGoal = 0x20, kGenerationShift = 6;
+
+  [[nodiscard]] Node& node(std::uint32_t index);
+  [[nodiscard]] std::uint32_t heuristic(int x, int y) const;
+  void expand(const CellGrid<std::uint8_t>& cost, std::uint32_t index);
+  PathResult search(const CellGrid<std::uint8_t>& cost, std::uint32_t max_expansions);
+  PathResult trace_back(const CellGrid<std::uint8_t>& cost, std::uint32_t goal, std::uint32_t expansions);
+  void next_generation();
+
+  mapper::ReservedArray<Node> nodes_;
+  BucketQueue open_;
+  std::vector<Cell> path_;
+  std::uint32_t generation_ = 0;
+  StepCosts steps_;
+  StepCosts relief_steps_;
+  int relief_cells_ = -1;  ///< -1: the start needs none
+  Cell start_;
+  Cell goal_low_;
+  Cell goal_high_;
+};
+
+}  // namespace g3d::nav

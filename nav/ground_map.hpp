@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// The floor as the robot's body sees it, kept up to date from the blocks that a frame changed. One column of voxels:
+//
+//   body_height ──┬── band: something here stops the robot                 occupied
+//                 │     only seen through, floor not (yet) in view         free, but see is_floor_seen()
+//        step ────┼── floor: something here carries it                     free
+//           0 ════│════════════════════════════════════════════════
+//       -drop ────┼── seen through although no floor was seen above: a     occupied (a drop-off), and so are cells
+//                 │   staircase                                            nearby whose floor nobody has seen
+//
+// What a camera half a metre above the floor sees: the floor from 1.1 m on, walls and furniture from 0.8 m on; nearer
+// than that only that the air at camera height is clear. So a cell is free where its floor was seen, and also where
+// low enough air was seen; the latter is a presumption, to be driven slowly (a low box may hide there).
+// One voxel hit a single time, with nothing around it, is a speckle: not an obstacle until it is hit again.
+// Thread: one. After construction nothing allocates.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapper/voxel_map.hpp"
+#include "nav/cell_grid.hpp"
+#include "nav/ground_layers.hpp"
+
+namespace g3d::nav {
+
+struct GroundMapConfig {
+  double centre_x_m = 0.0;  ///< the start, world frame
+  double centre_y_m = 0.0;
+  double side_m = 102.4;  ///< of the square around it; rounded up to whole blocks
+  GroundHeights heights;
+  double drop_margin_m = 0.3;          ///< how far before the first sight below floor level the edge may be
+  std::uint8_t speckle_level = 20;     ///< an occupied voxel up to this level was hit once (16 + MapperConfig's hit)
+  std::uint32_t max_slots = 1U << 18;  ///< of the voxel map: MapCapacity::blocks
+};
+
+class GroundMap {
+ public:
+  GroundMap(const mapper::Grid& grid, const GroundMapConfig& config);
+
+  /// Takes over what changed. A slot whose block is gone, or belongs to another block now, has its old place forgotten;
+  /// blocks that are merely paged out are not reported, and stay known here.
+  void update(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots);
+  /// Everything anew. Marks stay.
+  void rebuild(const mapper::VoxelMap& map);
+
+  /// The robot stands here, so there is floor and nothing else, until an obstacle is measured there.
+  void mark_free_disc(double x_m, double y_m, double radius_m);
+  /// The bumper met what the camera did not see. Where the floor had been seen the camera is not believed any more
+  /// (glass, black things); elsewhere the mark goes when the floor comes into view.
+  void mark_contact(double x_m, double y_m, double radius_m);
+  /// Drops all contact marks: a last resort, for whoever finds no way any more.
+  void forget_contacts();
+
+  [[nodiscard]] const CellGrid<CellState>& states() const { return states_; }
+  /// Indices of the cells whose state the last update() or rebuild() changed, and marks since the one before it.
+  /// May name a cell twice, or one that has changed back. Valid until the next call.
+  [[nodiscard]] std::span<const std::uint32_t> changed_cells() const { return changed_; }
+
+  // May lie outside: then false.
+  [[nodiscard]] bool is_floor_seen(Cell c) const { return has(c, kFloorSeen); }
+  [[nodiscard]] bool is_drop(Cell c) const { return has(c, kDrop); }
+  [[nodiscard]] bool is_contact(Cell c) const { return has(c, kContact); }
+  [[nodiscard]] const GroundLayers& layers() const { return layers_; }
+  [[nodiscard]] double resolution_m() const { return states_.resolution_m; }
+
+ private:
+  // Evidence of a cell: the low bits come from the voxels, the others from marks.
+  using Evidence = std::uint8_t;
+  static constexpr Evidence kFloorSeen = 1, kAirSeen = 2, kDrop = 4, kHitOnce = 8, kObstacle = 16;
+  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kDrop | kHitOnce | kObstacle;
+  static constexpr Evidence kStart = 32, kContact = 64, kDistrusted = 128;
+
+  [[nodiscard]] bool has(Cell c, Evidence bit) const {
+    return states_.contains(c) && (evidence_[states_.index(c)] & bit) != 0;
+  }
+  void forget_published_changes();
+  void note_block(mapper::BlockKey key);
+  void read_noted_stacks(const mapper::VoxelMap& map);
+  void read_stack(const mapper::VoxelMap& map, std::uint32_t stack);
+  void set_evidence(Cell c, Evidence from_voxels);
+  void spread_drop(Cell c, int step);
+  void refresh(Cell c);
+  void refresh_around(Cell c);
+  [[nodiscard]] CellState judge(Cell c) const;
+  [[nodiscard]] bool has_hit_neighbour(Cell c) const;
+  template <typename Visit>
+  void for_disc(double x_m, double y_m, double radius_m, Visit visit);
+
+  GroundMapConfig config_;
+  GroundLayers layers_;
+  int voxels_per_cell_;
+  int cells_per_block_;
+  int side_blocks_;
+  std::int32_t first_block_x_;  ///< block coordinates (voxel index / 8) of the lower left corner
+  std::int32_t first_block_y_;
+  CellGrid<CellState> states_;
+  std::vector<Evidence> evidence_;
+  std::vector<std::uint16_t> drops_near_;  ///< drop cells within drop_margin_m
+  std::vector<Cell> margin_offsets_;
+  std::vector<std::uint32_t> changed_;
+  std::size_t published_ = 0;               ///< how many of changed_ the last update() has shown
+  std::vector<mapper::BlockKey> slot_key_;  ///< whose block a slot held when it was last reported
+  std::vector<std::uint32_t> stacks_;       ///< columns of blocks to read again: row * side_blocks_ + column
+  std::vector<std::uint8_t> stack_noted_;
+};
+
+}  // namespace g3d::nav
