@@ -8,8 +8,6 @@ namespace g3d::nav {
 namespace {
 
 constexpr double kNoDeeper_m = 1e-6;
-// A map's noise may put a wall's cells this far into a robot that stands beside it: it may go along the wall then.
-constexpr double kSlack_m = 0.025;
 
 }  // namespace
 
@@ -27,7 +25,8 @@ double ArcCheck::distance_m(const NearCell& cell, double x_m, double y_m) const 
   return std::sqrt(dx * dx + dy * dy);
 }
 
-void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base) {
+void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base,
+                      const FloorKnowledge* floor) {
   cells_.clear();
   half_cell_m_ = 0.5 * ground.resolution_m;
   forward_x_ = std::cos(T_world_base.heading_rad);
@@ -40,7 +39,7 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
     for (int x = low.x; x <= high.x; ++x) {
       const Cell c{x, y};
       const CellState state = ground.contains(c) ? ground.at(c) : CellState::unknown;
-      if (state == CellState::free) continue;
+      if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) continue;
       NearCell cell{ground.centre_x_m(c) - T_world_base.x_m, ground.centre_y_m(c) - T_world_base.y_m, 0.0,
                     state == CellState::occupied};
       cell.start_m = distance_m(cell, 0.0, 0.0);
@@ -54,7 +53,7 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
 ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) const {
   const double direction = backward ? -1.0 : 1.0;
   const int steps = static_cast<int>(std::ceil(std::min(length_m, reach_m_) / kStep_m));
-  ArcView view{steps * kStep_m, steps * kStep_m, std::min(clearance_here_m_, kNoticed_m)};
+  ArcView view{steps * kStep_m, steps * kStep_m, false, std::min(clearance_here_m_, kNoticed_m)};
   const double turn_rad = 0.5 * direction * kStep_m * curvature_per_m;
   const double turn_cos = std::cos(turn_rad);
   const double turn_sin = std::sin(turn_rad);
@@ -63,8 +62,10 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
     y = x * turn_sin + y * turn_cos;
     x = rotated_x;
   };
-  const double touch_occupied_m =
+  // Beside a wall that is nearer than the margin the robot may go along it, not deeper.
+  const double strict_m =
       body_radius_m_ + std::max(std::min(touch_margin_m_, clearance_here_m_ - kNoDeeper_m), touch_margin_m_ - kSlack_m);
+  const double touch_m = body_radius_m_ + touch_margin_m_ - kSlack_m;
   double x_m = 0.0, y_m = 0.0;
   double heading_x = forward_x_, heading_y = forward_y_;
   for (int i = 1; i <= steps; ++i) {
@@ -74,16 +75,16 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
     turn(heading_x, heading_y);
     const double reached_m = (i - 1) * kStep_m;
     for (const NearCell& cell : cells_) {
-      if (!cell.occupied && view.free_m <= reached_m) continue;
+      const bool is_free_so_far = view.free_m > reached_m;
+      if (!cell.occupied && !is_free_so_far) continue;
       const double distance = distance_m(cell, x_m, y_m);
-      const double touch_m = cell.occupied ? touch_occupied_m : body_radius_m_;
-      if (distance >= touch_m) {
-        if (cell.occupied) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
-        continue;
+      if (cell.occupied) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
+      if (distance >= (cell.occupied ? strict_m : body_radius_m_) || distance >= cell.start_m - kNoDeeper_m) continue;
+      if (is_free_so_far) {
+        view.free_m = reached_m;
+        view.is_doubtful = !cell.occupied;
       }
-      if (distance >= cell.start_m - kNoDeeper_m) continue;
-      view.free_m = std::min(view.free_m, reached_m);
-      if (!cell.occupied) continue;
+      if (!cell.occupied || distance >= touch_m) continue;
       view.clear_m = reached_m;
       return view;
     }

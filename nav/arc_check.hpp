@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far the robot's body, a disc, gets along an arc before it meets something: an occupied cell, or one that nobody
-// has seen. Cells are squares, not points: an obstacle may stand anywhere in its cell.
+// has seen. Cells are squares, not points: an obstacle may stand anywhere in its cell. Where there is no other way the
+// body may dip kSlack_m into such a square, slowly.
 #pragma once
 
 #include <vector>
@@ -10,9 +11,17 @@
 
 namespace g3d::nav {
 
+/// Whether the floor itself was seen in a cell that counts as free (GroundMap: else it is only presumed).
+class FloorKnowledge {
+ public:
+  virtual ~FloorKnowledge() = default;
+  [[nodiscard]] virtual bool is_seen(Cell c) const = 0;
+};
+
 struct ArcView {
-  double free_m = 0.0;       ///< the centre may go this far with the body on cells known to be free
-  double clear_m = 0.0;      ///< ... with the body touching no occupied cell
+  double free_m = 0.0;       ///< the centre may go this far over seen floor, clear of obstacles with the margin
+  double clear_m = 0.0;      ///< ... over any floor, dipping into obstacles' cells by no more than the slack
+  bool is_doubtful = false;  ///< free_m ends at a cell that is unknown or presumed, not at an obstacle
   double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
 };
 
@@ -21,13 +30,16 @@ class ArcCheck {
  public:
   static constexpr double kNoticed_m = 0.15;  ///< obstacles farther from the body do not slow it down
   static constexpr double kStep_m = 0.025;
+  static constexpr double kSlack_m = 0.022;
 
   /// `reach_m`: the longest arc. Memory is reserved here.
   ArcCheck(double body_radius_m, double touch_margin_m, double reach_m, double resolution_m);
 
   /// What lies outside of the grid is unknown. Cells that the body covers or touches already do not count as long as
   /// it gets no deeper into them, so that a robot that stands against a wall can leave it.
-  void gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base);
+  /// Without `floor` all free cells count as seen.
+  void gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base,
+              const FloorKnowledge* floor = nullptr);
 
   /// `curvature_per_m` > 0 turns left when driving forward. `backward`: the same circle, the other way.
   [[nodiscard]] ArcView look(double curvature_per_m, double length_m, bool backward = false) const;

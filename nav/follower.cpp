@@ -52,10 +52,11 @@ void Follower::clear() {
 }
 
 hal::Twist Follower::step(const hal::PlanarPose& T_world_base, const hal::Twist& velocity,
-                          const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost) {
+                          const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                          const FloorKnowledge* floor) {
   limiter_ = SpeedLimiter::none;
   is_shut_ = false;
-  check_.gather(ground, T_world_base);
+  check_.gather(ground, T_world_base, floor);
   if (state_ == FollowerState::idle || state_ == FollowerState::arrived) return {};
   if (!at_end_) {
     track_.advance(T_world_base.x_m, T_world_base.y_m);
@@ -145,7 +146,8 @@ Follower::Choice Follower::allowed(double curvature_per_m) const {
     return speed_to_stop_within(distance_m, limits.deceleration_mps2, limits.reaction_s);
   };
   // The path was planned there, so what is still unknown may be crept up to and over; what is occupied may not.
-  limit(std::max(stop_within(view.free_m), limits.crawl_speed_mps), SpeedLimiter::unknown);
+  limit(std::max(stop_within(view.free_m), limits.crawl_speed_mps),
+        view.is_doubtful ? SpeedLimiter::unknown : SpeedLimiter::tight);
   limit(stop_within(view.clear_m), SpeedLimiter::obstacle);
   return choice;
 }

@@ -36,7 +36,15 @@ enum class FollowerState : std::uint8_t {
 };
 
 /// What holds the speed down.
-enum class SpeedLimiter : std::uint8_t { none, goal, curvature, clearance, unknown, obstacle };
+enum class SpeedLimiter : std::uint8_t {
+  none,
+  goal,
+  curvature,
+  clearance,  ///< beside an obstacle
+  tight,      ///< hardly fits: creeps
+  unknown,    ///< floor that nobody has seen: creeps
+  obstacle,
+};
 
 class Follower {
  public:
@@ -49,7 +57,8 @@ class Follower {
 
   /// The velocity to command now. `ground` and `cost` have one geometry.
   [[nodiscard]] hal::Twist step(const hal::PlanarPose& T_world_base, const hal::Twist& velocity,
-                                const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost);
+                                const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                const FloorKnowledge* floor = nullptr);
 
   [[nodiscard]] FollowerState state() const { return state_; }
   [[nodiscard]] SpeedLimiter limiter() const { return limiter_; }

@@ -6,14 +6,9 @@
 #include <span>
 #include <vector>
 
-namespace g3d::nav {
+#include "nav/path_smoothing.hpp"
 
-/// World frame.
-struct Waypoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  bool operator==(const Waypoint&) const = default;
-};
+namespace g3d::nav {
 
 class PathTrack {
  public:

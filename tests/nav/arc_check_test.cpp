@@ -40,9 +40,11 @@ TEST_CASE("A straight way ends before the body touches the near face of an occup
   ground.at(ground.cell_of(0.625, 0.025)) = CellState::occupied;  // covers 0.60..0.65
   const auto check = check_at(ground, {0.0, 0.025, 0.0});
   const nav::ArcView view = check.look(0.0, 0.6);
-  CHECK(view.clear_m <= 0.60 - kRadius_m - kMargin_m);
-  CHECK(view.clear_m > 0.60 - kRadius_m - kMargin_m - 2 * nav::ArcCheck::kStep_m);
-  CHECK(view.free_m == view.clear_m);
+  CHECK(view.free_m <= 0.60 - kRadius_m - kMargin_m);
+  CHECK(view.free_m > 0.60 - kRadius_m - kMargin_m - 2 * nav::ArcCheck::kStep_m);
+  CHECK_FALSE(view.is_doubtful);
+  CHECK(view.clear_m >= view.free_m);
+  CHECK(view.clear_m <= 0.60 - kRadius_m - kMargin_m + nav::ArcCheck::kSlack_m);
   CHECK(check.look(0.0, 0.6, true).clear_m >= 0.6);  // backwards there is nothing
   CHECK(check.look(-6.0, 0.35).clear_m >= 0.35);     // a tight turn passes it
   CHECK(check.clearance_m() == Approx(0.60 - kRadius_m));
@@ -66,6 +68,25 @@ TEST_CASE("Unknown cells end what is free, not what is clear") {
   CHECK(view.free_m <= 0.525 - kRadius_m);
   CHECK(view.free_m > 0.525 - kRadius_m - 2 * nav::ArcCheck::kStep_m);
   CHECK(view.clear_m >= 0.6);
+  CHECK(view.is_doubtful);
+}
+
+TEST_CASE("A floor that is only presumed is as good as unknown") {
+  struct SeenUntil final : nav::FloorKnowledge {
+    int column = 50;  // x 0.50..0.55
+    [[nodiscard]] bool is_seen(Cell c) const override { return c.x < column; }
+  } seen;
+  const Ground ground = free_floor();
+  nav::ArcCheck check(kRadius_m, kMargin_m, 0.6, ground.resolution_m);
+  check.gather(ground, {0.0, 0.0, 0.0}, &seen);
+  const nav::ArcView view = check.look(0.0, 0.6);
+  CHECK(view.free_m <= 0.525 - kRadius_m);
+  CHECK(view.free_m > 0.525 - kRadius_m - 2 * nav::ArcCheck::kStep_m);
+  CHECK(view.is_doubtful);
+  CHECK(view.clear_m >= 0.6);
+  seen.column = 80;
+  check.gather(ground, {0.0, 0.0, 0.0}, &seen);
+  CHECK(check.look(0.0, 0.6).free_m >= 0.6);
 }
 
 TEST_CASE("What lies outside of the grid is unknown") {
@@ -85,7 +106,8 @@ TEST_CASE("A robot that stands in an obstacle's cell may leave it and not go dee
   const auto along = check_at(ground, {-0.02, 0.0, 0.5 * kPi});                  // 1 cm: along or away
   CHECK(along.look(0.0, 0.4).clear_m >= 0.4);
   CHECK(along.look(1.0, 0.4).clear_m >= 0.4);
-  CHECK(along.look(-1.0, 0.4).clear_m < 0.05);
+  CHECK(along.look(-1.0, 0.4).free_m < 0.05);
+  CHECK(along.look(-1.0, 0.4).clear_m < 0.2);
 }
 
 TEST_CASE("A doorway of 0.60 m between grown cells lets the body through its middle") {
