@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/kobuki/odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "hal/kobuki/packet_gates.hpp"
+#include "hal/sim/plain_trig.hpp"
+
+namespace g3d::hal::kobuki {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kRadPerCdeg = kPi / 18'000.0;
+constexpr TimeNs kStale_ns = 100'000'000;
+constexpr TimeNs kMs_ns = 1'000'000;
+constexpr int kStampWrap_ms = 65'536;
+/// How far the stamps may run away from our clock in one step: bytes wait in buffers, clocks differ a little.
+constexpr std::int64_t kStampSlack_ms = 250;
+/// After this long without a tick the base rests; a gyro drifts by less than this much.
+constexpr int kRest_ms = 400;
+constexpr int kDrift_cdegps = 100;
+/// A driven wheel has at least this much PWM; captured bases roll at 13.
+constexpr int kDriven_pwm = 8;
+/// The other wheel's way that makes a silent one suspicious: 17 mm.
+constexpr int kSuspicious_ticks = 200;
+
+double wrapped(double angle_rad) {
+  if (angle_rad > kPi) return angle_rad - 2.0 * kPi;
+  if (angle_rad <= -kPi) return angle_rad + 2.0 * kPi;
+  return angle_rad;
+}
+
+}  // namespace
+
+void Odometry::update(const Feedback& feedback) {
+  if (last_ && feedback.timestamp_ms == last_->timestamp_ms &&
+      feedback.received_ns - last_->received_ns < kStampWrap_ms / 2 * kMs_ns) {
+    ++counts_.duplicates;
+    if (feedback.received_ns - moved_ns_ > kStale_ns) velocity_ = {};
+    return;
+  }
+  if (std::optional<Step> step = step_from_last(feedback)) {
+    hold_heading_at_rest(*step);
+    move(*step);
+    watch_wheels(*step, feedback);
+    ++counts_.steps;
+  } else {
+    velocity_ = {};
+  }
+  moved_ns_ = feedback.received_ns;
+  last_ = feedback;
+}
+
+std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback) {
+  if (!last_) return std::nullopt;
+  Step step{ms_between(*last_, feedback), ticks_between(last_->left_encoder_ticks, feedback.left_encoder_ticks),
+            ticks_between(last_->right_encoder_ticks, feedback.right_encoder_ticks),
+            angle_between_cdeg(last_->gyro_angle_cdeg, feedback.gyro_angle_cdeg)};
+  const std::int64_t waited_ms = (feedback.received_ns - last_->received_ns) / kMs_ns;
+  if (step.elapsed_ms > kMaxTimeStep_ms) {
+    // A gap, or one packet with a wrong stamp, whose undoing looks like a step back; else the base began anew.
+    const bool went_on = std::abs(waited_ms - step.elapsed_ms) <= kStampSlack_ms;
+    const bool went_back = step.elapsed_ms >= kStampWrap_ms - kMaxTimeStep_ms && waited_ms <= kStampSlack_ms;
+    if (!went_on && !went_back) {
+      ++counts_.restarts;
+      return std::nullopt;
+    }
+    if (went_back) step.elapsed_ms = static_cast<int>(std::max<std::int64_t>(waited_ms, 20));
+  }
+  const int max_ticks = max_ticks_in(step.elapsed_ms);
+  if (std::abs(step.left_ticks) > max_ticks || std::abs(step.right_ticks) > max_ticks ||
+      std::abs(step.turn_cdeg) > max_angle_in_cdeg(step.elapsed_ms)) {
+    ++counts_.out_of_gates;
+    return std::nullopt;
+  }
+  return step;
+}
+
+void Odometry::hold_heading_at_rest(Step& step) {
+  if (step.left_ticks != 0 || step.right_ticks != 0) {
+    at_rest_ms_ = 0;
+    return;
+  }
+  at_rest_ms_ = std::min(at_rest_ms_ + step.elapsed_ms, kRest_ms);
+  if (at_rest_ms_ < kRest_ms) return;
+  if (std::abs(step.turn_cdeg) <= 1 + kDrift_cdegps * step.elapsed_ms / 1000) step.turn_cdeg = 0;
+}
+
+void Odometry::move(const Step& step) {
+  const double way_m = 0.5 * (step.left_ticks + step.right_ticks) * kMetresPerTick;
+  const double turn_rad = step.turn_cdeg * kRadPerCdeg;
+  // The chord of an arc lies along the heading half-way and is shorter by turn^2 / 24: 1e-4 of it in 20 ms.
+  const double chord_m = way_m * (1.0 - turn_rad * turn_rad / 24.0);
+  const SinCos along = sin_cos_deg((T_world_base_.heading_rad + 0.5 * turn_rad) * (180.0 / kPi));
+  T_world_base_.x_m += chord_m * along.cos;
+  T_world_base_.y_m += chord_m * along.sin;
+  T_world_base_.heading_rad = wrapped(T_world_base_.heading_rad + turn_rad);
+  velocity_ = {1000.0 * way_m / step.elapsed_ms, 1000.0 * turn_rad / step.elapsed_ms};
+  path_m_ += std::abs(way_m);
+  rotation_rad_ += std::abs(turn_rad);
+}
+
+void Odometry::watch_wheels(const Step& step, const Feedback& feedback) {
+  watch_wheel(left_, Wheel::left, step.left_ticks, step.right_ticks, feedback.left_pwm, step);
+  watch_wheel(right_, Wheel::right, step.right_ticks, step.left_ticks, feedback.right_pwm, step);
+  const bool is_pushing = std::abs(int{feedback.left_pwm}) >= kDriven_pwm &&
+                          std::abs(int{feedback.right_pwm}) >= kDriven_pwm && step.left_ticks == 0 &&
+                          step.right_ticks == 0;
+  stalled_ms_ = is_pushing ? std::min(stalled_ms_ + step.elapsed_ms, kPatience_ms) : 0;
+}
+
+void Odometry::watch_wheel(Suspicion& suspicion, Wheel wheel, int ticks, int other_ticks, int pwm, const Step& step) {
+  if (ticks != 0) {
+    suspicion = {};
+    if (dead_wheel_ == wheel) dead_wheel_ = Wheel::none;
+    return;
+  }
+  if (std::abs(pwm) < kDriven_pwm) return;
+  suspicion.silent_ms = std::min(suspicion.silent_ms + step.elapsed_ms, kPatience_ms);
+  suspicion.other_ticks += other_ticks;
+  suspicion.turn_cdeg += step.turn_cdeg;
+  if (suspicion.silent_ms < kPatience_ms || std::abs(suspicion.other_ticks) < kSuspicious_ticks) return;
+  // If the silent wheel stood, the other one turned the base about it by this much.
+  const double way_m = suspicion.other_ticks * kMetresPerTick;
+  const double expected_cdeg = (wheel == Wheel::left ? way_m : -way_m) / kWheelBase_m / kRadPerCdeg;
+  const bool turned_about_it = std::abs(suspicion.turn_cdeg - expected_cdeg) < 0.5 * std::abs(expected_cdeg);
+  if (!turned_about_it) dead_wheel_ = wheel;
+  suspicion = {};  // it may also really stand: blocked, or held by its motor
+}
+
+}  // namespace g3d::hal::kobuki

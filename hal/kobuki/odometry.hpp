@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the base is, from its wheels and its gyro: the way from the encoders, the heading from the gyro (its angle
+// cannot be reset, so the first reading is the offset). While the wheels stand, so does the heading: what the gyro says
+// then is its drift.
+#pragma once
+
+#include <optional>
+
+#include "hal/kobuki/feedback.hpp"
+#include "hal/twist.hpp"
+
+namespace g3d::hal::kobuki {
+
+enum class Wheel : std::uint8_t { none, left, right };
+
+/// What did and what did not move the pose, counted.
+struct OdometryCounts {
+  std::uint64_t steps = 0;
+  std::uint64_t duplicates = 0;    ///< same stamp as before
+  std::uint64_t restarts = 0;      ///< another session of the base: a new reference
+  std::uint64_t out_of_gates = 0;  ///< further than a base can get in that time: a new reference
+};
+
+/// One thread. Allocates nothing.
+class Odometry {
+ public:
+  explicit Odometry(const PlanarPose& T_world_base = {}) : T_world_base_(T_world_base) {}
+  /// Packets in the order they came. The first is the reference. After a gap in which the base went on, the way is
+  /// taken for one arc.
+  void update(const Feedback& feedback);
+  [[nodiscard]] const PlanarPose& T_world_base() const { return T_world_base_; }
+  /// Over the last step; zero once the base's stamps have stood still for 100 ms.
+  [[nodiscard]] const Twist& velocity() const { return velocity_; }
+  /// Sum of |way| of the base's centre and of |turns|.
+  [[nodiscard]] double path_m() const { return path_m_; }
+  [[nodiscard]] double rotation_rad() const { return rotation_rad_; }
+  /// A wheel is driven and does not tick, while the other does and the gyro says that the base does not turn about the
+  /// silent one: its encoder, or the cable, is dead. Reported after 0.5 s, until it ticks again.
+  [[nodiscard]] bool wheel_is_dead() const { return dead_wheel_ != Wheel::none; }
+  [[nodiscard]] Wheel dead_wheel() const { return dead_wheel_; }
+  /// Both wheels are driven and neither has ticked for 0.5 s: the base pushes against something.
+  [[nodiscard]] bool is_stalled() const { return stalled_ms_ >= kPatience_ms; }
+  [[nodiscard]] const OdometryCounts& counts() const { return counts_; }
+
+ private:
+  static constexpr int kPatience_ms = 500;
+  struct Step {
+    int elapsed_ms = 0;
+    int left_ticks = 0, right_ticks = 0;
+    int turn_cdeg = 0;
+  };
+  struct Suspicion {
+    int silent_ms = 0;  // driven without a tick
+    int other_ticks = 0;
+    int turn_cdeg = 0;
+  };
+  [[nodiscard]] std::optional<Step> step_from_last(const Feedback& feedback);
+  void hold_heading_at_rest(Step& step);
+  void move(const Step& step);
+  void watch_wheels(const Step& step, const Feedback& feedback);
+  void watch_wheel(Suspicion& suspicion, Wheel wheel, int ticks, int other_ticks, int pwm, const Step& step);
+
+  PlanarPose T_world_base_;
+  Twist velocity_;
+  double path_m_ = 0.0, rotation_rad_ = 0.0;
+  std::optional<Feedback> last_;
+  TimeNs moved_ns_ = 0;  // when a new stamp came last
+  int at_rest_ms_ = 0;
+  int stalled_ms_ = 0;
+  Suspicion left_, right_;
+  Wheel dead_wheel_ = Wheel::none;
+  OdometryCounts counts_;
+};
+
+}  // namespace g3d::hal::kobuki
