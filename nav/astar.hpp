@@ -51,26 +51,24 @@ class AStar {
  private:
   struct Node {
     std::uint32_t g = 0;
-    std::uint32_t mark = 0;  ///< generation << 6 | goal | closed | direction it was reached by
+    std::uint32_t mark = 0;  ///< generation << 5 | closed | goal | direction it was reached by
   };
-  static constexpr std::uint32_t kDirectionMask = 0xF, kClosed = 0x10, kGoal = 0x20, kGenerationShift = 6;
+  static constexpr std::uint32_t kDirectionMask = 7, kClosed = 8, kGoal = 16, kGenerationShift = 5;
+  static constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
 
   [[nodiscard]] Node& node(std::uint32_t index);
   [[nodiscard]] std::uint32_t heuristic(int x, int y) const;
-  void expand(const CellGrid<std::uint8_t>& cost, std::uint32_t index);
+  [[nodiscard]] bool mark_goals(const CellGrid<std::uint8_t>& cost, Cell start, std::span<const Cell> goals);
   PathResult search(const CellGrid<std::uint8_t>& cost, std::uint32_t max_expansions);
-  PathResult trace_back(const CellGrid<std::uint8_t>& cost, std::uint32_t goal, std::uint32_t expansions);
-  void next_generation();
+  [[nodiscard]] std::span<const Cell> trace_back(const CellGrid<std::uint8_t>& cost, Cell goal);
 
   mapper::ReservedArray<Node> nodes_;
   BucketQueue open_;
   std::vector<Cell> path_;
   std::uint32_t generation_ = 0;
-  StepCosts steps_;
-  StepCosts relief_steps_;
-  int relief_cells_ = -1;  ///< -1: the start needs none
+  StepRule rule_;
   Cell start_;
-  Cell goal_low_;
+  Cell goal_low_;  ///< bounding box of the goals
   Cell goal_high_;
 };
 

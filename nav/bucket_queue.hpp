@@ -16,7 +16,7 @@ namespace g3d::nav {
 
 class BucketQueue {
  public:
-  static constexpr std::uint32_t kBuckets = 8192;  ///< keys may lead the last one taken by less than this
+  static constexpr std::uint32_t kBuckets = 2048;  ///< keys may lead the last one taken by less than this
 
   explicit BucketQueue(std::size_t max_entries) : entries_(max_entries + 1) {}
 

@@ -50,21 +50,16 @@ class DistanceField {
  private:
   struct Node {
     std::uint32_t g = 0;
-    std::uint32_t mark = 0;  ///< generation << 5 | closed | direction it was reached by
+    std::uint32_t mark = 0;  ///< generation << 4 | closed | direction it was reached by
   };
-  static constexpr std::uint32_t kDirectionMask = 0xF, kClosed = 0x10, kGenerationShift = 5;
-
-  void expand(const CellGrid<std::uint8_t>& cost, std::uint32_t index, std::uint32_t max_cost);
-  void next_generation();
+  static constexpr std::uint32_t kDirectionMask = 7, kClosed = 8, kGenerationShift = 4;
 
   mapper::ReservedArray<Node> nodes_;
   mapper::ReservedArray<std::uint32_t> reached_;
   std::size_t reached_count_ = 0;
   BucketQueue open_;
   std::uint32_t generation_ = 0;
-  StepCosts steps_;
-  StepCosts relief_steps_;
-  int relief_cells_ = -1;
+  StepRule rule_;
   Cell start_;
   int columns_ = 0;
   int rows_ = 0;

@@ -12,7 +12,7 @@
 // than that only that the air at camera height is clear. So a cell is free where its floor was seen, and also where
 // low enough air was seen; the latter is a presumption, to be driven slowly (a low box may hide there).
 // One voxel hit a single time, with nothing around it, is a speckle: not an obstacle until it is hit again.
-// Thread: one. After construction nothing allocates.
+// Thread: the voxel map's writer, since update() reads it without locks. After construction nothing allocates.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@
 
 #include "mapper/voxel_map.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/column_evidence.hpp"
 #include "nav/ground_layers.hpp"
 
 namespace g3d::nav {
@@ -60,16 +61,14 @@ class GroundMap {
 
   // May lie outside: then false.
   [[nodiscard]] bool is_floor_seen(Cell c) const { return has(c, kFloorSeen); }
-  [[nodiscard]] bool is_drop(Cell c) const { return has(c, kDrop); }
+  [[nodiscard]] bool is_drop(Cell c) const { return has(c, kDropSeen); }
   [[nodiscard]] bool is_contact(Cell c) const { return has(c, kContact); }
   [[nodiscard]] const GroundLayers& layers() const { return layers_; }
   [[nodiscard]] double resolution_m() const { return states_.resolution_m; }
 
  private:
-  // Evidence of a cell: the low bits come from the voxels, the others from marks.
-  using Evidence = std::uint8_t;
-  static constexpr Evidence kFloorSeen = 1, kAirSeen = 2, kDrop = 4, kHitOnce = 8, kObstacle = 16;
-  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kDrop | kHitOnce | kObstacle;
+  // Evidence of a cell: the low bits come from the voxels (column_evidence.hpp), the others from marks.
+  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kDropSeen | kHitOnce | kObstacle;
   static constexpr Evidence kStart = 32, kContact = 64, kDistrusted = 128;
 
   [[nodiscard]] bool has(Cell c, Evidence bit) const {
@@ -90,8 +89,7 @@ class GroundMap {
 
   GroundMapConfig config_;
   GroundLayers layers_;
-  int voxels_per_cell_;
-  int cells_per_block_;
+  ColumnReader reader_;
   int side_blocks_;
   std::int32_t first_block_x_;  ///< block coordinates (voxel index / 8) of the lower left corner
   std::int32_t first_block_y_;

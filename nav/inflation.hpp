@@ -31,7 +31,7 @@ class Inflation {
   void rebuild(const CellGrid<CellState>& states);
 
   [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return cost_; }
-  /// Cells whose cost the last update() or rebuild() changed, each once.
+  /// Cells whose cost the last update() or rebuild() changed. May name a cell twice.
   [[nodiscard]] std::span<const std::uint32_t> changed_cells() const { return changed_; }
   /// From the cell's centre to that of the nearest obstacle; inflation_radius_m() where there is none so near.
   [[nodiscard]] double clearance_m(Cell c) const;
@@ -39,13 +39,13 @@ class Inflation {
   [[nodiscard]] const InflationConfig& config() const { return config_; }
 
  private:
-  static constexpr int kTileShift = 4;
-  static constexpr int kTile_cells = 1 << kTileShift;
+  struct Tile;
 
-  void note_tile(int tile_x, int tile_y);
+  void note_tiles_around(Cell c);
   void compute_noted(const CellGrid<CellState>& states);
-  void compute_tile(const CellGrid<CellState>& states, int tile_x, int tile_y);
-  void compute_heights(const CellGrid<CellState>& states, Cell low, Cell high);
+  void measure_columns(const CellGrid<CellState>& states, Cell low, Tile& tile) const;
+  void combine_rows(Tile& tile) const;
+  void write_tile(const CellGrid<CellState>& states, Cell low, const Tile& tile);
   void set_cost(std::size_t index, CellState state);
 
   InflationConfig config_;
@@ -54,12 +54,10 @@ class Inflation {
   int tile_rows_;
   CellGrid<std::uint8_t> cost_;
   std::vector<std::uint8_t> cost_of_squared_;  ///< by squared distance in cells; the last entry: none in reach
-  std::vector<std::uint16_t> squared_cells_;   ///< to the nearest obstacle, at most reach^2 + 1
-  std::vector<std::uint8_t> was_lethal_;       ///< as of the last call
+  std::vector<std::int16_t> squared_cells_;    ///< to the nearest obstacle, at most reach^2 + 1
   std::vector<std::uint32_t> tiles_;           ///< to compute anew
   std::vector<std::uint8_t> tile_noted_;
   std::vector<std::uint32_t> changed_;
-  std::vector<std::uint16_t> heights_;  ///< one tile: squared distance to the obstacle above or below
 };
 
 /// The definition itself, for any distance.

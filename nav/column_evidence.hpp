@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the voxels of one column of blocks say about the floor cells below them. A pure function of the map.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "mapper/voxel_map.hpp"
+#include "nav/ground_layers.hpp"
+
+namespace g3d::nav {
+
+/// Bits, as many as apply.
+using Evidence = std::uint8_t;
+inline constexpr Evidence kFloorSeen = 1;  ///< an occupied voxel of the floor layers
+inline constexpr Evidence kAirSeen = 2;    ///< a free voxel of the air layers
+inline constexpr Evidence kDropSeen = 4;   ///< a free voxel of the drop layers, and no floor
+inline constexpr Evidence kHitOnce = 8;    ///< an occupied voxel of the band
+inline constexpr Evidence kObstacle = 16;  ///< two of them, or one that was hit more than once
+
+class ColumnReader {
+ public:
+  ColumnReader(const GroundLayers& layers, int voxels_per_cell, std::uint8_t speckle_level);
+
+  [[nodiscard]] int cells_per_block() const { return cells_per_block_; }
+  /// Block layers (voxel layer / 8) that matter, both ends included.
+  [[nodiscard]] std::int32_t first_block_z() const { return first_block_z_; }
+  [[nodiscard]] std::int32_t last_block_z() const { return last_block_z_; }
+
+  using Cells = std::array<Evidence, mapper::kBlockSide_cells * mapper::kBlockSide_cells>;
+  /// Of the blocks at (block_x, block_y) (voxel index / 8), into `cells[y * cells_per_block + x]`.
+  void read(const mapper::VoxelMap& map, std::int32_t block_x, std::int32_t block_y, Cells& cells) const;
+
+ private:
+  enum class Layer : std::uint8_t { none, drop, floor, air, upper_band };
+  static constexpr std::size_t kLayerKinds = 5;
+  static constexpr std::size_t kLevels = mapper::kLevelMask + 1;
+  static constexpr std::int32_t kMaxBlocks = 64;
+  /// What a level means in each of the eight layers of a block.
+  using Meanings = std::array<const Evidence*, mapper::kBlockSide_cells>;
+
+  void read_uniform(std::uint8_t level, const Meanings& meanings, Cells& cells) const;
+  void read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells& cells) const;
+
+  int voxels_per_cell_;
+  int cells_per_block_;
+  std::int32_t first_block_z_;
+  std::int32_t last_block_z_;
+  std::array<std::array<Evidence, kLevels>, kLayerKinds> meaning_{};             ///< [kind of layer][level]
+  std::array<std::array<Layer, mapper::kBlockSide_cells>, kMaxBlocks> kinds_{};  ///< [block layer][z in it]
+  std::array<std::uint8_t, mapper::kBlockVoxels> cell_of_place_{};               ///< which cell a voxel stands on
+  std::array<std::uint8_t, mapper::kBlockVoxels> z_of_place_{};
+};
+
+}  // namespace g3d::nav
