@@ -20,6 +20,7 @@ struct SafetyTimes {
   TimeNs late_base_ns = 80'000'000;       ///< older than the freshest feedback seen
   TimeNs wheels_up_ns = 1'000'000'000;    ///< both, before a dropped wheel is forgotten
   TimeNs over_current_ns = 500'000'000;   ///< standing, for the motor to cool
+  TimeNs dead_wheel_ns = 1'000'000'000;   ///< standing, before wheels that did not count are tried again
   std::uint32_t agreeing_packets = 5;     ///< to clear a flag, and to believe in a base that was silent
   std::uint32_t agreeing_battery = 50;    ///< the voltage sags when the motors start
   std::uint32_t good_ticks = 5;           ///< after a late one

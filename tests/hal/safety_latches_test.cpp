@@ -66,10 +66,10 @@ TEST_CASE("Flags hold from the first packet until five agree") {
     PacketFlags flags;
     Condition condition;
   };
-  PacketFlags bumper, cliff, dead, firmware;
-  bumper.bumper = cliff.cliff = dead.dead_wheel = firmware.wrong_firmware = true;
-  for (const Flag& flag : {Flag{bumper, Condition::bumper}, Flag{cliff, Condition::cliff},
-                           Flag{dead, Condition::dead_wheel}, Flag{firmware, Condition::wrong_firmware}}) {
+  PacketFlags bumper, cliff, firmware;
+  bumper.bumper = cliff.cliff = firmware.wrong_firmware = true;
+  for (const Flag& flag :
+       {Flag{bumper, Condition::bumper}, Flag{cliff, Condition::cliff}, Flag{firmware, Condition::wrong_firmware}}) {
     INFO(to_string(flag.condition));
     Bench bench = running();
     bench.step(flag.flags);
@@ -128,15 +128,18 @@ TEST_CASE("Silence does not count as time with both wheels up") {
   CHECK(bench.now().none());
 }
 
-TEST_CASE("Over-current stands for half a second after it") {
-  Bench bench = running();
-  PacketFlags flags;
-  flags.over_current = true;
-  bench.step(flags);
-  bench.steps(24);
-  CHECK(bench.has(Condition::over_current));
-  bench.steps(1);
-  CHECK(bench.now().none());
+TEST_CASE("Over-current stands for half a second after it, a dead wheel for one") {
+  for (const bool dead : {false, true}) {
+    const Condition condition = dead ? Condition::dead_wheel : Condition::over_current;
+    Bench bench = running();
+    PacketFlags flags;
+    (dead ? flags.dead_wheel : flags.over_current) = true;
+    bench.step(flags);
+    bench.steps(dead ? 49 : 24);
+    CHECK(bench.has(condition));
+    bench.steps(1);
+    CHECK(bench.now().none());
+  }
 }
 
 TEST_CASE("The battery must agree for a second") {
