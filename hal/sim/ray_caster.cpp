@@ -107,21 +107,28 @@ RayCaster::RayCaster(const World& world, const CameraModel& camera, int threads)
       workers_(threads) {
   opaque_.reserve(world.primitives().size());
   glass_.reserve(world.primitives().size());
+  places_m_.resize(world.movers().size());
 }
 
 void RayCaster::render(const Pose& T_world_camera, TimeNs time_ns, ExactView& out) {
+  for (std::size_t i = 0; i < places_m_.size(); ++i) places_m_[i] = world_.mover_at(i, time_ns);
+  render(T_world_camera, places_m_, -1, out);
+}
+
+void RayCaster::render(const Pose& T_world_camera, MoverPlaces places_m, std::int32_t hidden, ExactView& out) {
   const RigidTransform transform = to_transform(T_world_camera);
-  prepare(transform, time_ns);
+  prepare(transform, places_m, hidden);
   workers_.run(tile_rows_, [&](int tile_row) {
     for (int column = 0; column < tile_columns_; ++column) render_tile(column, tile_row, transform, out);
   });
 }
 
-void RayCaster::prepare(const RigidTransform& T_world_camera, TimeNs time_ns) {
+void RayCaster::prepare(const RigidTransform& T_world_camera, MoverPlaces places_m, std::int32_t hidden) {
   opaque_.clear();
   glass_.clear();
   for (std::size_t i = 0; i < world_.primitives().size(); ++i) {
-    const Primitive solid = world_.placed(i, time_ns);
+    const Primitive solid = world_.placed(i, places_m);
+    if (solid.mover >= 0 && solid.mover == hidden) continue;
     const Corners corners = corners_in_camera(solid, T_world_camera);
     float nearest_m = kNoDepth_m;
     float farthest_m = -kNoDepth_m;

@@ -35,6 +35,8 @@ class RayCaster {
 
   /// One thread at a time. Allocates nothing.
   void render(const Pose& T_world_camera, TimeNs time_ns, ExactView& out);
+  /// The same with every mover where the caller says; the one numbered `hidden` (-1: none) is not drawn.
+  void render(const Pose& T_world_camera, MoverPlaces places_m, std::int32_t hidden, ExactView& out);
 
   /// The threads, for work that follows on the same image.
   [[nodiscard]] RowWorkers& workers() { return workers_; }
@@ -49,7 +51,7 @@ class RayCaster {
     std::array<std::uint8_t, kTilePixels> grid_axis;            ///< valid where the hit is kGridSolid
   };
 
-  void prepare(const RigidTransform& T_world_camera, TimeNs time_ns);
+  void prepare(const RigidTransform& T_world_camera, MoverPlaces places_m, std::int32_t hidden);
   void render_tile(int tile_column, int tile_row, const RigidTransform& T_world_camera, ExactView& out) const;
   void aim(Tile& tile, const RigidTransform& T_world_camera) const;
   void cast_opaque(Tile& tile) const;
@@ -68,6 +70,7 @@ class RayCaster {
   std::vector<float> slope_y_;
   std::vector<PreparedSolid> opaque_;  ///< of the current image, nearest first
   std::vector<PreparedSolid> glass_;
+  std::vector<std::array<float, 2>> places_m_;  ///< of the movers, where the clock says
   RowWorkers workers_;
 };
 

@@ -7,7 +7,10 @@
 namespace g3d::hal {
 
 SimRenderer::SimRenderer(World world, const SimRendererOptions& options)
-    : world_(std::make_unique<const World>(std::move(world))),
+    : SimRenderer(std::make_shared<const World>(std::move(world)), options) {}
+
+SimRenderer::SimRenderer(std::shared_ptr<const World> world, const SimRendererOptions& options)
+    : world_(std::move(world)),
       options_(options),
       caster_(*world_, options.camera, options.threads),
       noise_(options.camera, options.seed),
@@ -15,6 +18,16 @@ SimRenderer::SimRenderer(World world, const SimRendererOptions& options)
 
 void SimRenderer::render(const Pose& T_world_camera, TimeNs time_ns, std::uint64_t sequence, Frame& out) {
   caster_.render(T_world_camera, time_ns, view_);
+  finish(time_ns, sequence, out);
+}
+
+void SimRenderer::render(const Pose& T_world_camera, TimeNs time_ns, std::uint64_t sequence, MoverPlaces places_m,
+                         std::int32_t hidden, Frame& out) {
+  caster_.render(T_world_camera, places_m, hidden, view_);
+  finish(time_ns, sequence, out);
+}
+
+void SimRenderer::finish(TimeNs time_ns, std::uint64_t sequence, Frame& out) {
   if (options_.noise) {
     noise_.apply(view_, sequence, caster_.workers(), out.depth.get());
   } else {

@@ -22,10 +22,15 @@ struct SimRendererOptions {
 class SimRenderer {
  public:
   SimRenderer(World world, const SimRendererOptions& options);
+  /// Several cameras in one world.
+  SimRenderer(std::shared_ptr<const World> world, const SimRendererOptions& options);
 
   /// Fills `out` (storage sized for the camera), stamp and sequence included. The sequence also picks the noise.
   /// Allocates nothing. One thread at a time.
   void render(const Pose& T_world_camera, TimeNs time_ns, std::uint64_t sequence, Frame& out);
+  /// The same with every mover where the caller says, and one of them (-1: none) not drawn.
+  void render(const Pose& T_world_camera, TimeNs time_ns, std::uint64_t sequence, MoverPlaces places_m,
+              std::int32_t hidden, Frame& out);
 
   [[nodiscard]] const CameraModel& camera() const { return options_.camera; }
   [[nodiscard]] const World& world() const { return *world_; }
@@ -33,7 +38,9 @@ class SimRenderer {
   [[nodiscard]] const ExactView& exact() const { return view_; }
 
  private:
-  std::unique_ptr<const World> world_;  ///< the caster keeps a reference
+  void finish(TimeNs time_ns, std::uint64_t sequence, Frame& out);
+
+  std::shared_ptr<const World> world_;  ///< the caster keeps a reference
   SimRendererOptions options_;
   RayCaster caster_;
   KinectNoise noise_;

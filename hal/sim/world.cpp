@@ -126,6 +126,13 @@ void World::add_person(double height_m, double radius_m, const Material& materia
   movers_.push_back(std::move(mover));
 }
 
+std::size_t World::add_moving_cylinder(double below_m, double radius_m, double height_m, const Material& material) {
+  add_cylinder({0, 0, below_m}, radius_m, height_m, material);
+  primitives_.back().mover = static_cast<std::int32_t>(movers_.size());
+  movers_.push_back({.waypoints = {{}}});
+  return movers_.size() - 1;
+}
+
 std::array<float, 2> World::mover_at(std::size_t mover, TimeNs time_ns) const {
   const auto& points = movers_[mover].waypoints;
   const double t_s = static_cast<double>(time_ns) / 1e9;
@@ -146,6 +153,15 @@ Primitive World::placed(std::size_t index, TimeNs time_ns) const {
     const auto at_m = mover_at(static_cast<std::size_t>(p.mover), time_ns);
     p.centre_m[0] += at_m[0];
     p.centre_m[1] += at_m[1];
+  }
+  return p;
+}
+
+Primitive World::placed(std::size_t index, MoverPlaces places_m) const {
+  Primitive p = primitives_[index];
+  if (p.mover >= 0) {
+    p.centre_m[0] += places_m[static_cast<std::size_t>(p.mover)][0];
+    p.centre_m[1] += places_m[static_cast<std::size_t>(p.mover)][1];
   }
   return p;
 }

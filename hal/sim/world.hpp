@@ -7,11 +7,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "hal/messages.hpp"
 #include "hal/sim/grid_walls.hpp"
+#include "hal/twist.hpp"
 
 namespace g3d::hal {
 
@@ -62,10 +64,14 @@ struct Mover {
   std::vector<Waypoint> waypoints;  ///< at least one, ascending t_s
 };
 
+/// Where movers stand when something else than the clock moves them: one place per mover.
+using MoverPlaces = std::span<const std::array<float, 2>>;
+
 /// Everything from outside is bounded by these.
 inline constexpr std::size_t kMaxPrimitives = 4096;
 inline constexpr std::size_t kMaxMovers = 64;
 inline constexpr std::size_t kMaxMoverWaypoints = 1024;
+inline constexpr std::size_t kMaxStarts = 64;
 inline constexpr double kMaxCoordinate_m = 1000.0;
 inline constexpr double kMinSize_m = 0.001;
 
@@ -91,19 +97,26 @@ class World {
                  const Material& material);
   /// A walking cylinder with a spherical head; its feet are at the world's z = 0.
   void add_person(double height_m, double radius_m, const Material& material, Mover mover);
+  /// An upright cylinder around wherever its mover is; `below_m` is its underside. Returns the index of its mover.
+  std::size_t add_moving_cylinder(double below_m, double radius_m, double height_m, const Material& material);
+  /// Where a robot may begin, in the order in which robots are put there.
+  void add_start(const PlanarPose& T_world_base) { starts_.push_back(T_world_base); }
   void set_grid(GridWalls grid) { grid_ = std::move(grid); }
 
   [[nodiscard]] const std::vector<Primitive>& primitives() const { return primitives_; }
   [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<PlanarPose>& starts() const { return starts_; }
   [[nodiscard]] const std::optional<GridWalls>& grid() const { return grid_; }
   /// Position of a mover at a time since the world's start.
   [[nodiscard]] std::array<float, 2> mover_at(std::size_t mover, TimeNs time_ns) const;
   /// The solid where it stands at that time.
   [[nodiscard]] Primitive placed(std::size_t index, TimeNs time_ns) const;
+  [[nodiscard]] Primitive placed(std::size_t index, MoverPlaces places_m) const;
 
  private:
   std::vector<Primitive> primitives_;
   std::vector<Mover> movers_;
+  std::vector<PlanarPose> starts_;
   std::optional<GridWalls> grid_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -56,6 +57,7 @@ const std::vector<Kind>& kinds() {
       {"floor", {kX, kY, kZ, size("size_x"), size("size_y"), size("thickness")}, 0},
       {"room", {kX, kY, kZ, size("size_x"), size("size_y"), size("size_z"), size("thickness")}, 0},
       {"person", {{"height", 0.2, 3.0}, {"radius", 0.05, 1.0}}, 0},
+      {"start", {kX, kY, {"heading", -3600.0, 3600.0}}, 0},
   };
   return table;
 }
@@ -181,13 +183,27 @@ void add_solid(World& world, std::string_view kind, const std::vector<double>& n
   }
 }
 
+/// Precondition: `n` holds x, y and heading in degrees; `read` words of the line are used up.
+Result<void> read_start(const TextLine& line, const std::vector<double>& n, std::size_t read, World& world) {
+  if (read != line.words().size()) return line.error(Reason::malformed, "start takes x y heading and nothing else");
+  if (world.starts().size() == kMaxStarts) {
+    return line.error(Reason::too_large, fmt::format("more than {} starts", kMaxStarts));
+  }
+  const double turns = n[2] / 360.0;
+  double rest = turns - static_cast<double>(static_cast<int>(turns));
+  if (rest > 0.5) rest -= 1.0;
+  if (rest <= -0.5) rest += 1.0;
+  world.add_start({n[0], n[1], rest * 2.0 * std::numbers::pi});
+  return {};
+}
+
 Result<void> read_solid(const TextLine& line, World& world) {
   const std::span<const std::string_view> words = line.words();
   const auto kind = std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.word == words[0]; });
   if (kind == kinds().end()) {
     return line.error(Reason::malformed,
-                      fmt::format("'{}' is not known; box, sphere, cylinder, pole, cone, stairs, shelves, floor, room "
-                                  "and person are",
+                      fmt::format("'{}' is not known; box, sphere, cylinder, pole, cone, stairs, shelves, floor, "
+                                  "room, person and start are",
                                   words[0].substr(0, 40)));
   }
   std::size_t next = 1;
@@ -209,6 +225,7 @@ Result<void> read_solid(const TextLine& line, World& world) {
   if (kind->word == "person") {
     while (options_from < words.size() && words[options_from].find(',') != std::string_view::npos) ++options_from;
   }
+  if (kind->word == "start") return read_start(line, numbers, next, world);
   Options options;
   for (const std::string_view word : words.subspan(options_from)) {
     if (auto read = read_option(line, word, kind->word == "room", options); !read) return read;

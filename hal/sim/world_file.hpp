@@ -12,6 +12,8 @@
 //   floor    x y z  size_x size_y  thickness                    z is the upper side
 //   room     x y z  size_x size_y size_z  thickness             inner size; walls, floor and ceiling outside of it
 //   person   height radius  t,x,y [t,x,y ...]                   walks straight lines from waypoint to waypoint
+//   start    x y heading                                        where a robot may begin; the first robot takes the
+//   first
 //
 // after the numbers, in any order:
 //   color=#rrggbb  color2=#rrggbb  texture=checker:METRES | stripes:METRES

@@ -137,3 +137,19 @@ TEST_CASE("a person is drawn where it is at that time") {
   caster.render(pose, 13'000'000'000, view);
   CHECK(view.depth_m[middle] > 4.0F);
 }
+
+TEST_CASE("movers are drawn where the caller puts them, and a hidden one is not") {
+  World world;
+  world.add_box({5, 0, 0}, {0.2, 4, 4}, 0, {});
+  const std::size_t mover = world.add_moving_cylinder(0.0, 0.25, 2.0, {});
+  const CameraModel camera;
+  RayCaster caster(world, camera, 1);
+  ExactView view(camera);
+  const Pose eye = look_at({0, 0, 1}, {1, 0, 1});
+  const std::size_t middle = 240 * 640 + 320;
+  const std::array<std::array<float, 2>, 1> ahead = {{{2.0F, 0.0F}}};
+  caster.render(eye, ahead, -1, view);
+  CHECK(view.depth_m[middle] == Approx(1.75).margin(1e-3));
+  caster.render(eye, ahead, static_cast<std::int32_t>(mover), view);
+  CHECK(view.depth_m[middle] == Approx(4.9).margin(1e-3));
+}

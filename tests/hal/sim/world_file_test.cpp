@@ -46,6 +46,21 @@ TEST_CASE("each kind of line becomes its solids") {
   CHECK(solids.back().mover == 0);
 }
 
+TEST_CASE("starts are kept in order, their headings within half a turn") {
+  const auto world =
+      parse_world("box 0 0 0 1 1 1\nstart 1.5 -2 90\nstart 0 0 -180\nstart 0 1 180 # left\nstart 0 2 -1170\n", "w");
+  REQUIRE(world);
+  const auto& starts = world.value().starts();
+  REQUIRE(starts.size() == 4);
+  CHECK(starts[0].x_m == 1.5);
+  CHECK(starts[0].y_m == -2.0);
+  CHECK(starts[0].heading_rad == Approx(1.5707963));
+  CHECK(starts[1].heading_rad == Approx(3.14159265));
+  CHECK(starts[2].heading_rad == Approx(3.14159265));
+  CHECK(starts[3].heading_rad == Approx(-1.5707963));
+  CHECK(world.value().primitives().size() == 1);
+}
+
 TEST_CASE("errors of a world file name file and line") {
   struct Row {
     const char* text;
@@ -71,6 +86,10 @@ TEST_CASE("errors of a world file name file and line") {
       {"pole 0 0 0 0.5 2\n", Reason::out_of_range, "radius is 0.5, allowed are 0.001 to 0.1"},
       {"stairs 0 0 0 1 1 1 201\n", Reason::out_of_range, "steps"},
       {"shelves 0 0 0 1 1 1 1\n", Reason::out_of_range, "boards"},
+      {"start 0 0\n", Reason::malformed, "start needs a number for heading"},
+      {"start 0 0 1e5\n", Reason::out_of_range, "heading is 100000"},
+      {"start 0 0 0 dark\n", Reason::malformed, "nothing else"},
+      {"start 0 0 0\n", Reason::malformed, "no solid"},
       {"person 1.8 0.2\n", Reason::malformed, "at least one waypoint"},
       {"person 1.8 0.2 0,1\n", Reason::malformed, "t,x,y"},
       {"person 1.8 0.2 1,0,0 1,1,1\n", Reason::malformed, "must ascend"},
@@ -92,4 +111,12 @@ TEST_CASE("the number of solids is bounded, composed ones count in full") {
   REQUIRE_FALSE(world.ok());
   CHECK(world.error().reason == Reason::too_large);
   CHECK_THAT(world.error().text, Contains("w:21:"));
+}
+
+TEST_CASE("the number of starts is bounded") {
+  std::string text = "box 0 0 0 1 1 1\n";
+  for (int i = 0; i < 65; ++i) text += "start 0 0 0\n";
+  const auto world = parse_world(text, "w");
+  REQUIRE_FALSE(world.ok());
+  CHECK(world.error().reason == Reason::too_large);
 }

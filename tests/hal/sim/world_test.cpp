@@ -71,3 +71,16 @@ TEST_CASE("a floor's upper side is where it was asked for") {
   CHECK_FALSE(is_solid(world, 0, {0, 0, 0.55}));
   CHECK_FALSE(is_solid(world, 0, {0, 0, 0.25}));
 }
+
+TEST_CASE("a moving cylinder is where its mover is put") {
+  World world;
+  world.add_box({5, 5, 0}, {1, 1, 1}, 0, {});
+  const std::size_t mover = world.add_moving_cylinder(0.1, 0.2, 0.5, {});
+  REQUIRE(world.movers().size() == mover + 1);
+  const std::array<std::array<float, 2>, 1> places = {{{3.0F, -1.0F}}};
+  const Primitive p = world.placed(1, places);
+  CHECK(p.centre_m[0] == 3.0F);
+  CHECK(p.centre_m[1] == -1.0F);
+  CHECK(p.centre_m[2] == Approx(0.35));
+  CHECK(world.placed(0, places).centre_m[0] == 5.0F);
+}
