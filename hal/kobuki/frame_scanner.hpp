@@ -15,9 +15,9 @@ namespace g3d::hal::kobuki {
 
 inline constexpr std::uint8_t kFrameHeader0 = 0xAA, kFrameHeader1 = 0x55;
 inline constexpr std::size_t kMinPayload_bytes = 3;
-/// All known blocks with the most gyro samples take 173. Less than 0xAA on top of the usual 77 bytes: a frame that has
-/// lost its end cannot take the header of the next one for a block.
-inline constexpr std::size_t kMaxPayload_bytes = 176;
+/// All blocks that bases were ever seen to send take 154, with the most gyro samples. Less than 0xAA: neither a doubled
+/// header nor the header behind a frame that has lost its end can be taken for a length.
+inline constexpr std::size_t kMaxPayload_bytes = 160;
 inline constexpr std::size_t kMaxFrame_bytes = kMaxPayload_bytes + 4;
 
 /// One block of a payload.
