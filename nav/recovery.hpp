@@ -56,7 +56,9 @@ class Recovery {
   [[nodiscard]] hal::Twist step(const RecoveryView& view);
   /// In phase asking: a path was found (it ends here, for now) or not.
   void answer(bool has_path, const RecoveryView& view);
-  /// The goal was given up, or another one is driven to: begins anew.
+  /// Ends it here, whatever phase it is in; trouble again nearby continues with the next attempt.
+  void end() { phase_ = RecoveryPhase::idle; }
+  /// Ends it and forgets it: it got away from there, or gave up.
   void reset();
 
   [[nodiscard]] RecoveryPhase phase() const { return phase_; }
