@@ -36,7 +36,8 @@ class KinematicRobot {
   [[nodiscard]] double fastest_contact_mps() const { return fastest_contact_mps_; }
   [[nodiscard]] double path_m() const { return path_m_; }
   [[nodiscard]] double rotation_rad() const { return rotation_rad_; }
-  std::vector<Box>& boxes() { return boxes_; }
+  [[nodiscard]] std::vector<Box>& boxes() { return boxes_; }
+  [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }
 
  private:
   std::vector<Box> boxes_;

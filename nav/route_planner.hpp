@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// From where the robot is to where it should be: cells by A*, cut straight, beginning at the robot itself. A goal that
+// has come to lie where the body cannot be is taken for the nearest place where it can, within a tolerance.
+// One thread. Sized at construction; plan() allocates nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hal/twist.hpp"
+#include "nav/astar.hpp"
+#include "nav/cell_grid.hpp"
+#include "nav/path_smoothing.hpp"
+
+namespace g3d::nav {
+
+struct Route {
+  PathStatus status = PathStatus::unreachable;
+  std::span<const Waypoint> points;  ///< robot and goal included; valid until the next plan()
+  double length_m = 0.0;
+  std::uint32_t expansions = 0;  ///< cells looked at: few of them and no route means that the robot is hemmed in
+};
+
+class RoutePlanner {
+ public:
+  explicit RoutePlanner(std::size_t max_cells);
+
+  /// `tolerance_m`: how far from the goal a substitute may lie; 0: none.
+  Route plan(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from, const hal::PlanarPose& to,
+             double tolerance_m);
+
+ private:
+  void choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, double tolerance_m);
+
+  AStar astar_;
+  PathSmoother smoother_;
+  std::vector<Cell> goals_;
+  std::vector<Waypoint> points_;
+};
+
+}  // namespace g3d::nav

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/route_planner.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/kinematic_robot.hpp"
+
+using namespace g3d;
+using nav::PathStatus;
+
+namespace {
+
+constexpr tests::Box kExtent{-4, -4, 4, 4};
+
+nav::CellGrid<std::uint8_t> costs(const std::vector<tests::Box>& boxes) {
+  return tests::plain_costs(tests::known_floor(boxes, kExtent), 0.199);
+}
+
+}  // namespace
+
+TEST_CASE("A route begins at the robot, ends at the goal and keeps off what it would touch") {
+  const auto cost = costs({{-0.1, -4, 0.1, 2}});
+  nav::RoutePlanner planner(cost.cells.size());
+  const nav::Route route = planner.plan(cost, {-2.013, 0.02, 1.0}, {2.017, -0.01, 0.0}, 0.0);
+  REQUIRE(route.status == PathStatus::found);
+  CHECK(route.points.front() == nav::Waypoint{-2.013, 0.02});
+  CHECK(route.points.back() == nav::Waypoint{2.017, -0.01});
+  CHECK(route.length_m > 5.6);  // around the end of the wall
+  CHECK(route.length_m < 7.5);
+  for (const auto& p : route.points) CHECK(cost.at(cost.cell_of(p.x_m, p.y_m)) < nav::kInscribedCost);
+}
+
+TEST_CASE("A goal where the body cannot be is taken for the nearest place where it can") {
+  const auto cost = costs({{1.0, -4, 1.5, 4}});
+  nav::RoutePlanner planner(cost.cells.size());
+  CHECK(planner.plan(cost, {0, 0, 0}, {0.9, 0.0, 0.0}, 0.0).status == PathStatus::goal_blocked);
+  const nav::Route route = planner.plan(cost, {0, 0, 0}, {0.9, 0.0, 0.0}, 0.3);
+  REQUIRE(route.status == PathStatus::found);
+  CHECK(std::hypot(route.points.back().x_m - 0.9, route.points.back().y_m) < 0.3);
+  CHECK(planner.plan(cost, {0, 0, 0}, {1.25, 0.0, 0.0}, 0.2).status == PathStatus::goal_blocked);
+}
+
+TEST_CASE("Without a way it says so, and how much it looked at") {
+  const auto cost = costs({{1.0, -4, 1.5, 4}});
+  nav::RoutePlanner planner(cost.cells.size());
+  const nav::Route route = planner.plan(cost, {0, 0, 0}, {3.0, 0.0, 0.0}, 0.2);
+  CHECK(route.status == PathStatus::unreachable);
+  CHECK(route.points.empty());
+  CHECK(route.expansions > 1000);
+}
+
+TEST_CASE("A goal in the robot's own cell is a route that is over") {
+  const auto cost = costs({});
+  nav::RoutePlanner planner(cost.cells.size());
+  const nav::Route route = planner.plan(cost, {0.01, 0.01, 0}, {0.02, 0.02, 1.0}, 0.0);
+  REQUIRE(route.status == PathStatus::found);
+  CHECK(route.length_m < 0.05);
+}
