@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gives every frontier cluster that is left a reason, or calls it open. One thread; memory is sized by reset().
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nav/explained.hpp"
+#include "nav/frontier.hpp"
+#include "nav/set_aside.hpp"
+#include "nav/view_tour.hpp"
+#include "nav/viewpoints.hpp"
+
+namespace g3d::nav {
+
+class Explanation {
+ public:
+  void reset(std::size_t targets);
+  /// The frontiers' clusters must be made. `any_open`: there are views worth taking, so what is seen from somewhere is
+  /// open rather than too small.
+  [[nodiscard]] FrontiersLeft explain(const CellGrid<CellState>& ground, const FrontierMap& frontiers,
+                                      const Targets& targets, const SetAside& aside, const Viewpoints& places,
+                                      double near_m, bool any_open);
+
+ private:
+  [[nodiscard]] bool has_room_to_look_from(const CellGrid<CellState>& ground, Cell frontier, double near_m) const;
+
+  std::vector<std::uint32_t> seen_in_;  ///< per target: round in which a place was found that sees it
+  std::uint32_t round_ = 0;
+};
+
+}  // namespace g3d::nav

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/explorer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nav/explain.hpp"
+#include "nav/frontier.hpp"
+#include "nav/road_grid.hpp"
+#include "nav/set_aside.hpp"
+#include "nav/view_gain.hpp"
+#include "nav/view_tour.hpp"
+#include "nav/viewpoints.hpp"
+
+namespace g3d::nav {
+namespace {
+
+constexpr TimeNs kReplanPeriod_ns = 1'000'000'000;
+constexpr double kDropShare = 0.2;  ///< a goal that promises less than this of what it did is dropped
+constexpr double kTurnAround_rad = 6.283185307179586;
+constexpr double kSamePlace_m = 0.3;
+
+}  // namespace
+
+struct Explorer::State {
+  explicit State(const ExplorerConfig& c) : config(c) {}
+
+  struct Goal {
+    bool active = false;
+    Cell cell;
+    std::uint32_t road = 0;
+    int first_bearing = 0;
+    double heading_rad = 0.0;
+    double gain_cells = 0.0;
+  };
+  enum class Stage : std::uint8_t { start, looking_around, exploring, going_home, at_home };
+
+  void reset(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost);
+  void take_changes(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                    std::span<const std::uint32_t> changed);
+  [[nodiscard]] bool in_area(double x_m, double y_m) const;
+  [[nodiscard]] bool goal_still_pays(const CellGrid<CellState>& ground);
+  void note_fruitless(const CellGrid<CellState>& ground, TimeNs now);
+  void note_blocked(const CellGrid<CellState>& ground, TimeNs now);
+  [[nodiscard]] std::span<const View> plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                           const PlanarPose& robot);
+  [[nodiscard]] Decision goal_decision(const CellGrid<CellState>& ground, bool is_new) const;
+  [[nodiscard]] Decision home_decision(const PlanarPose& robot, bool is_new);
+  [[nodiscard]] bool needs_energy_for_home(const CellGrid<CellState>& ground) const;
+
+  ExplorerConfig config;
+  int columns = 0;
+  int rows = 0;
+  double origin_x_m = 0.0;
+  double origin_y_m = 0.0;
+  double min_gain_cells = 6.0;
+  FrontierMap frontiers;
+  RoadGrid roads;
+  std::unique_ptr<ViewGain> camera;
+  Viewpoints places;
+  Targets targets;
+  ViewTour tour;
+  SetAside aside;
+  TravelField from_robot;
+  Explanation explanation;
+  PanoramaGain panorama;
+
+  Stage stage = Stage::start;
+  bool has_home = false;
+  PlanarPose home;
+  double energy_left_s = std::numeric_limits<double>::infinity();
+  Goal goal;
+  bool reached = false;
+  bool failed = false;
+  GoalFailure failure = GoalFailure::no_path;
+  TimeNs planned_at = 0;
+  std::uint32_t home_failures = 0;
+  FrontiersLeft left;
+};
+
+void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost) {
+  columns = ground.columns;
+  rows = ground.rows;
+  origin_x_m = ground.origin_x_m;
+  origin_y_m = ground.origin_y_m;
+  const double area = ground.resolution_m * ground.resolution_m / (0.05 * 0.05);
+  min_gain_cells = config.min_gain_cells / area;
+  const ViewModel model{config.near_m, config.far_m, config.view_rad, 1.5};
+  camera = std::make_unique<ViewGain>(model, ground.resolution_m);
+  frontiers.reset(ground);
+  roads.reset(cost, config.body_radius_m);
+  roads.size_field(from_robot);
+  places.reset(ground, roads);
+  targets.reset(columns, rows);
+  aside.reset(targets.size(), config.max_tries, config.set_aside_s);
+  for (std::uint32_t i = 0; i < ground.cells.size(); ++i) {
+    const Cell c = ground.cell(i);
+    if (!in_area(ground.centre_x_m(c), ground.centre_y_m(c))) aside.exclude(targets.of_cell(i));
+  }
+  TourConfig t;
+  t.speed_mps = config.speed_mps;
+  t.turn_radps = config.turn_radps;
+  t.min_gain_cells = min_gain_cells;
+  tour.reset(roads, targets, t, camera->window());
+  explanation.reset(targets.size());
+  goal.active = false;
+}
+
+void Explorer::State::take_changes(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                   std::span<const std::uint32_t> changed) {
+  if (ground.columns != columns || ground.rows != rows || ground.origin_x_m != origin_x_m ||
+      ground.origin_y_m != origin_y_m) {
+    reset(ground, cost);
+    return;
+  }
+  frontiers.update(ground, changed);
+  roads.update(cost, changed);
+  places.note_changes(changed);
+}
+
+bool Explorer::State::in_area(double x_m, double y_m) const {
+  if (config.area_max_x_m <= config.area_min_x_m || config.area_max_y_m <= config.area_min_y_m) return true;
+  return x_m >= config.area_min_x_m && x_m <= config.area_max_x_m && y_m >= config.area_min_y_m &&
+         y_m <= config.area_max_y_m;
+}
+
+bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
+  camera->look(ground, goal.cell, panorama);
+  const double gain = tour.gain_of(panorama, goal.first_bearing, targets, aside.ignored());
+  return gain >= std::max(min_gain_cells, kDropShare * goal.gain_cells);
+}
+
+/// It stood there and looked: what it was promised to see and did not, it will not see from there.
+void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
+  camera->look(ground, goal.cell, panorama);
+  for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
+    const RayGain& ray = panorama[static_cast<std::size_t>((goal.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    if (ray.entry != RayGain::kNothing) {
+      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now);
+    }
+  }
+}
+
+void Explorer::State::note_blocked(const CellGrid<CellState>& ground, TimeNs now) {
+  aside.place_failed(goal.cell, now);
+  camera->look(ground, goal.cell, panorama);
+  for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
+    const RayGain& ray = panorama[static_cast<std::size_t>((goal.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    if (ray.entry != RayGain::kNothing) {
+      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::blocked, now);
+    }
+  }
+}
+
+std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                            const PlanarPose& robot) {
+  const int near_cells = static_cast<int>(kSamePlace_m / ground.resolution_m);
+  const auto allowed = [&](const Place& place) {
+    return in_area(ground.centre_x_m(place.cell), ground.centre_y_m(place.cell)) &&
+           !aside.is_place_resting(place.cell, near_cells);
+  };
+  for (;;) {
+    const bool complete =
+        places.refresh(ground, cost, roads, from_robot, frontiers, *camera, config.max_views_per_decision);
+    const std::span<const View> views = tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), allowed);
+    if (!views.empty() || complete) return views;
+  }
+}
+
+bool Explorer::State::needs_energy_for_home(const CellGrid<CellState>& ground) const {
+  const Cell c = ground.cell_of(home.x_m, home.y_m);
+  if (!ground.contains(c)) return false;
+  const std::int32_t tenths = from_robot.distance[roads.road_of(c)];
+  const double way_s = tenths == TravelField::kNever ? 0.0 : tenths * roads.step_m() / 10 / config.speed_mps;
+  return energy_left_s < config.home_reserve_factor * way_s + config.home_reserve_s;
+}
+
+Decision Explorer::State::goal_decision(const CellGrid<CellState>& ground, bool is_new) const {
+  Decision d;
+  d.kind = DecisionKind::goal;
+  d.goal = {ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell), goal.heading_rad};
+  d.is_new = is_new;
+  d.expected_cells = goal.gain_cells;
+  d.left = left;
+  return d;
+}
+
+Decision Explorer::State::home_decision(const PlanarPose& robot, bool is_new) {
+  Decision d;
+  d.left = left;
+  d.is_new = is_new;
+  d.goal = home;
+  const bool there = std::hypot(robot.x_m - home.x_m, robot.y_m - home.y_m) < 0.15;
+  if (reached || (stage == Stage::going_home && there && is_new) || home_failures >= 3) stage = Stage::at_home;
+  d.kind = stage == Stage::at_home ? DecisionKind::done : DecisionKind::go_home;
+  reached = false;
+  return d;
+}
+
+Explorer::Explorer(const ExplorerConfig& config) : state_(std::make_unique<State>(config)) {}
+Explorer::~Explorer() = default;
+
+Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                          std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base, TimeNs now) {
+  State& s = *state_;
+  s.take_changes(ground, cost, changed_cells);
+  if (!s.has_home) set_home(T_world_base);
+  if (s.stage == State::Stage::start) {
+    s.stage = s.config.look_around_first ? State::Stage::looking_around : State::Stage::exploring;
+    if (s.config.look_around_first) {
+      Decision d;
+      d.kind = DecisionKind::look_around;
+      d.goal = T_world_base;
+      d.turn_rad = kTurnAround_rad;
+      d.is_new = true;
+      return d;
+    }
+  }
+  if (s.stage == State::Stage::looking_around) {
+    if (!s.reached && !s.failed) {
+      Decision d;
+      d.kind = DecisionKind::look_around;
+      d.goal = T_world_base;
+      d.turn_rad = kTurnAround_rad;
+      return d;
+    }
+    s.stage = State::Stage::exploring;
+    s.reached = s.failed = false;
+  }
+  if (s.stage == State::Stage::going_home || s.stage == State::Stage::at_home) {
+    s.home_failures += s.failed ? 1 : 0;
+    const bool again = s.failed;
+    s.failed = false;
+    return s.home_decision(T_world_base, again);
+  }
+
+  s.aside.expire(now);
+  if (s.goal.active && s.reached) s.note_fruitless(ground, now);
+  if (s.goal.active && s.failed) s.note_blocked(ground, now);
+  if (s.reached || s.failed) s.goal.active = false;
+  s.reached = s.failed = false;
+  const bool pays = s.goal.active && s.goal_still_pays(ground);
+  if (pays && now - s.planned_at < kReplanPeriod_ns) return s.goal_decision(ground, false);
+
+  s.planned_at = now;
+  const Cell at = ground.cell_of(T_world_base.x_m, T_world_base.y_m);
+  if (!ground.contains(at)) return s.home_decision(T_world_base, true);
+  s.roads.travel(s.roads.road_of(at), TravelField::kNever - 100, s.from_robot);
+  std::span<const View> views = s.plan(ground, cost, T_world_base);
+  if (views.empty() && s.aside.wake_all()) views = s.plan(ground, cost, T_world_base);
+  s.frontiers.make_clusters();
+  s.left = s.explanation.explain(ground, s.frontiers, s.targets, s.aside, s.places, s.config.near_m, !views.empty());
+  const bool low = s.needs_energy_for_home(ground);
+  if (low || views.empty()) {
+    if (low) s.left[LeftReason::energy] += s.left.open;
+    s.left.open = 0;
+    s.stage = State::Stage::going_home;
+    s.goal.active = false;
+    return s.home_decision(T_world_base, true);
+  }
+
+  const View& first = views.front();
+  const Place& place = s.places.place(first.slot);
+  const bool same = s.goal.active && s.goal.cell == place.cell &&
+                    std::abs(std::remainder(first.heading_rad - s.goal.heading_rad, kTurnAround_rad)) < 0.3;
+  if (same && pays) return s.goal_decision(ground, false);
+  s.goal = {
+      true, place.cell, place.road, first.first_bearing, first.heading_rad, static_cast<double>(first.gain_cells)};
+  return s.goal_decision(ground, true);
+}
+
+void Explorer::goal_reached() { state_->reached = true; }
+
+void Explorer::goal_failed(GoalFailure reason) {
+  state_->failed = true;
+  state_->failure = reason;
+}
+
+void Explorer::set_home(const PlanarPose& T_world_home) {
+  state_->home = T_world_home;
+  state_->has_home = true;
+}
+
+void Explorer::set_energy_left(double seconds) { state_->energy_left_s = seconds; }
+
+void Explorer::return_home() {
+  if (state_->stage != State::Stage::at_home) state_->stage = State::Stage::going_home;
+}
+
+std::span<const std::uint32_t> Explorer::frontier_cells() const { return state_->frontiers.cells(); }
+
+}  // namespace g3d::nav

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/road_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+constexpr int kDx[8] = {1, 0, -1, 0, 1, -1, -1, 1};
+constexpr int kDy[8] = {0, 1, 0, -1, 1, 1, -1, -1};
+constexpr std::int32_t kLength[8] = {10, 10, 10, 10, 14, 14, 14, 14};
+constexpr std::size_t kBuckets = 16;  ///< more than the longest step
+constexpr double kLeave_m = 0.5;
+
+}  // namespace
+
+void RoadGrid::reset(const CellGrid<std::uint8_t>& cost, double body_radius_m) {
+  // Two neighbours together are 2 strides wide: less than the body, which is what closed ground around a wall measures.
+  stride_ = std::max(1, static_cast<int>(0.84 * body_radius_m / cost.resolution_m));
+  step_m_ = stride_ * cost.resolution_m;
+  columns_ = (cost.columns + stride_ - 1) / stride_;
+  rows_ = (cost.rows + stride_ - 1) / stride_;
+  may_stand_.assign(cost.cells.size(), 0);
+  standing_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
+  buckets_.resize(kBuckets);
+  for (auto& bucket : buckets_) bucket.reserve(standing_.size() / 4 + 64);
+  for (std::uint32_t i = 0; i < cost.cells.size(); ++i) update(cost, std::span(&i, 1));
+}
+
+void RoadGrid::update(const CellGrid<std::uint8_t>& cost, std::span<const std::uint32_t> changed) {
+  for (const std::uint32_t i : changed) {
+    const std::uint8_t now = cost.cells[i] < kInscribedCost;
+    if (now == may_stand_[i]) continue;
+    may_stand_[i] = now;
+    std::uint16_t& count = standing_[road_of(cost.cell(i))];
+    count = static_cast<std::uint16_t>(count + (now != 0 ? 1 : -1));
+  }
+}
+
+bool RoadGrid::best_cell(const CellGrid<std::uint8_t>& cost, std::size_t road, Cell& out) const {
+  const int x0 = static_cast<int>(road) % columns_ * stride_;
+  const int y0 = static_cast<int>(road) / columns_ * stride_;
+  int best = std::numeric_limits<int>::max();
+  for (int y = y0; y < std::min(y0 + stride_, cost.rows); ++y) {
+    for (int x = x0; x < std::min(x0 + stride_, cost.columns); ++x) {
+      const int c = cost.at({x, y});
+      if (c >= kInscribedCost) continue;
+      const int off = std::abs(2 * (x - x0) + 1 - stride_) + std::abs(2 * (y - y0) + 1 - stride_);
+      const int score = c * 64 + off;
+      if (score >= best) continue;
+      best = score;
+      out = {x, y};
+    }
+  }
+  return best != std::numeric_limits<int>::max();
+}
+
+void RoadGrid::size_field(TravelField& field) const {
+  field.distance.assign(size(), TravelField::kNever);
+  field.came_from.assign(size(), 0);
+  field.leaves_by.assign(size(), 0);
+  field.reached.clear();
+  field.reached.reserve(size());
+}
+
+void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
+  for (const std::uint32_t i : out.reached) out.distance[i] = TravelField::kNever;
+  out.reached.clear();
+  const std::int32_t leave = static_cast<std::int32_t>(kLeave_m / step_m_ * 10);
+  out.distance[from] = 0;
+  out.came_from[from] = from;
+  out.leaves_by[from] = from;
+  buckets_[0].push_back(from);
+  std::size_t waiting = 1;
+  // Dial 1969: lengths of steps are small integers, so that a ring of buckets replaces a heap.
+  for (std::int32_t d = 0; waiting != 0; ++d) {
+    auto& bucket = buckets_[static_cast<std::size_t>(d) % kBuckets];
+    for (std::size_t k = 0; k < bucket.size(); ++k) {
+      const std::uint32_t at = bucket[k];
+      --waiting;
+      if (out.distance[at] != d) continue;
+      if (d > limit) {
+        out.distance[at] = TravelField::kNever;
+        continue;
+      }
+      out.reached.push_back(at);
+      const int x = static_cast<int>(at) % columns_;
+      const int y = static_cast<int>(at) / columns_;
+      for (int n = 0; n < 8; ++n) {
+        const int nx = x + kDx[n];
+        const int ny = y + kDy[n];
+        if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) continue;
+        const std::uint32_t to = static_cast<std::uint32_t>(ny * columns_ + nx);
+        const std::int32_t there = d + kLength[n];
+        if (!is_open(to) || out.distance[to] <= there) continue;
+        out.distance[to] = there;
+        out.came_from[to] = at;
+        out.leaves_by[to] = d < leave ? to : out.leaves_by[at];
+        buckets_[static_cast<std::size_t>(there) % kBuckets].push_back(to);
+        ++waiting;
+      }
+    }
+    bucket.clear();
+  }
+}
+
+double RoadGrid::bearing(std::uint32_t from, std::uint32_t to) const {
+  const int dx = static_cast<int>(to) % columns_ - static_cast<int>(from) % columns_;
+  const int dy = static_cast<int>(to) / columns_ - static_cast<int>(from) / columns_;
+  return std::atan2(dy, dx);
+}
+
+double RoadGrid::leave_heading(const TravelField& field, std::uint32_t from, std::uint32_t to) const {
+  return bearing(from, field.leaves_by[to]);
+}
+
+double RoadGrid::arrive_heading(const TravelField& field, std::uint32_t to) const {
+  std::uint32_t back = to;
+  for (double m = 0; m < kLeave_m; m += step_m_) back = field.came_from[back];
+  return bearing(back, to);
+}
+
+}  // namespace g3d::nav
