@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/kobuki/line_recorder.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/support/temp_folder.hpp"
+
+using namespace g3d;
+using hal::Reason;
+using hal::TimeNs;
+using hal::kobuki::LineRecorder;
+
+namespace {
+
+struct Record {
+  TimeNs t_ns = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
+std::uint64_t little_endian(const std::string& text, std::size_t at, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<std::uint8_t>(text[at + i]);
+  return value;
+}
+
+std::vector<Record> records_of(const std::string& path) {
+  const std::string text = test::read_plain(path);
+  std::vector<Record> records;
+  std::size_t at = 0;
+  while (at + 10 <= text.size()) {
+    Record record{static_cast<TimeNs>(little_endian(text, at, 8)), {}};
+    const std::size_t size = little_endian(text, at + 8, 2);
+    at += 10;
+    REQUIRE(at + size <= text.size());
+    record.bytes.assign(text.begin() + static_cast<std::ptrdiff_t>(at),
+                        text.begin() + static_cast<std::ptrdiff_t>(at + size));
+    at += size;
+    records.push_back(record);
+  }
+  REQUIRE(at == text.size());
+  return records;
+}
+
+}  // namespace
+
+TEST_CASE("Records are in the file as they were put", "[threads]") {
+  const test::TempFolder folder;
+  auto recorder = LineRecorder::create(folder / "kobuki.bin");
+  REQUIRE(recorder.ok());
+  for (int i = 0; i < 500; ++i) {
+    const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(1 + i % 90), static_cast<std::uint8_t>(i));
+    recorder.value()->put(bytes, 0x0102030405060708 + i);
+  }
+  recorder.value()->put({}, 1);
+  REQUIRE(recorder.value()->finish().ok());
+  CHECK(recorder.value()->lost_bytes() == 0);
+  const auto records = records_of(folder / "kobuki.bin");
+  REQUIRE(records.size() == 500);
+  for (int i = 0; i < 500; ++i) {
+    const Record& record = records[static_cast<std::size_t>(i)];
+    REQUIRE(record.t_ns == 0x0102030405060708 + i);
+    REQUIRE(record.bytes ==
+            std::vector<std::uint8_t>(static_cast<std::size_t>(1 + i % 90), static_cast<std::uint8_t>(i)));
+  }
+}
+
+TEST_CASE("What is longer than a record is split, nothing lost", "[threads]") {
+  const test::TempFolder folder;
+  std::vector<std::uint8_t> bytes(1000);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i * 7);
+  {
+    auto recorder = LineRecorder::create(folder / "kobuki.bin");
+    REQUIRE(recorder.ok());
+    recorder.value()->put(bytes, -5);
+  }  // the destructor finishes too
+  std::vector<std::uint8_t> joined;
+  for (const Record& record : records_of(folder / "kobuki.bin")) {
+    CHECK(record.t_ns == -5);
+    joined.insert(joined.end(), record.bytes.begin(), record.bytes.end());
+  }
+  CHECK(joined == bytes);
+}
+
+TEST_CASE("A full disk is said, and what was lost is counted", "[threads]") {
+  auto recorder = LineRecorder::create("/dev/full");
+  REQUIRE(recorder.ok());
+  recorder.value()->put(std::vector<std::uint8_t>(100), 1);
+  recorder.value()->put(std::vector<std::uint8_t>(50), 2);
+  const auto result = recorder.value()->finish();
+  REQUIRE_FALSE(result.ok());
+  CHECK(result.error().reason == Reason::disk_full);
+  CHECK(recorder.value()->lost_bytes() == 150);
+}
+
+TEST_CASE("A disk that hangs costs records, not time", "[threads]") {
+  const test::TempFolder folder;
+  // A pipe that nobody reads: the writer hangs in the middle of a write.
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  const int reader = ::open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  auto recorder = LineRecorder::create(folder / "pipe");
+  REQUIRE(recorder.ok());
+  const std::vector<std::uint8_t> bytes(240, 1);
+  for (int i = 0; i < 3'000; ++i) recorder.value()->put(bytes, i);
+  CHECK(recorder.value()->lost_bytes() > 0);
+  std::vector<char> sink(65'536);  // now the disk goes on
+  std::atomic<bool> over{false};
+  std::thread drain([&] {
+    while (!over.load()) (void)!::read(reader, sink.data(), sink.size());
+  });
+  CHECK(recorder.value()->finish().ok());
+  over.store(true);
+  drain.join();
+  ::close(reader);
+}
+
+TEST_CASE("A file that cannot be made says why") {
+  const test::TempFolder folder;
+  const auto recorder = LineRecorder::create(folder.path() + "/no/such/kobuki.bin");
+  REQUIRE_FALSE(recorder.ok());
+  CHECK(recorder.error().reason == Reason::not_found);
+  CHECK(recorder.error().text.find("kobuki.bin") != std::string::npos);
+}
