@@ -8,6 +8,8 @@ namespace g3d::nav {
 namespace {
 
 constexpr double kNoDeeper_m = 1e-6;
+// A map's noise may put a wall's cells this far into a robot that stands beside it.
+constexpr double kOverlap_m = 0.02;
 
 }  // namespace
 
@@ -65,7 +67,8 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
   // Beside a wall that is nearer than the margin the robot may go along it, not deeper.
   const double strict_m =
       body_radius_m_ + std::max(std::min(touch_margin_m_, clearance_here_m_ - kNoDeeper_m), touch_margin_m_ - kSlack_m);
-  const double touch_m = body_radius_m_ + touch_margin_m_ - kSlack_m;
+  const double touch_m =
+      body_radius_m_ + std::max(std::min(touch_margin_m_ - kSlack_m, clearance_here_m_ - kNoDeeper_m), -kOverlap_m);
   double x_m = 0.0, y_m = 0.0;
   double heading_x = forward_x_, heading_y = forward_y_;
   for (int i = 1; i <= steps; ++i) {

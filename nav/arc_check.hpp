@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far the robot's body, a disc, gets along an arc before it meets something: an occupied cell, or one that nobody
 // has seen. Cells are squares, not points: an obstacle may stand anywhere in its cell. Where there is no other way the
-// body may dip kSlack_m into such a square, slowly.
+// body may come nearer to such a square by kSlack_m than the margin, slowly.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ class FloorKnowledge {
 
 struct ArcView {
   double free_m = 0.0;       ///< the centre may go this far over seen floor, clear of obstacles with the margin
-  double clear_m = 0.0;      ///< ... over any floor, dipping into obstacles' cells by no more than the slack
+  double clear_m = 0.0;      ///< ... over any floor, clear of obstacles with the margin less the slack
   bool is_doubtful = false;  ///< free_m ends at a cell that is unknown or presumed, not at an obstacle
   double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
 };
@@ -30,7 +30,7 @@ class ArcCheck {
  public:
   static constexpr double kNoticed_m = 0.15;  ///< obstacles farther from the body do not slow it down
   static constexpr double kStep_m = 0.025;
-  static constexpr double kSlack_m = 0.022;
+  static constexpr double kSlack_m = 0.010;
 
   /// `reach_m`: the longest arc. Memory is reserved here.
   ArcCheck(double body_radius_m, double touch_margin_m, double reach_m, double resolution_m);

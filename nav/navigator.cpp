@@ -12,6 +12,7 @@ namespace {
 constexpr double kTouchSide_rad = 0.9;  // where on the body the left and right parts of the bumper are
 constexpr double kTouchDepth_m = 0.03;  // an obstacle's centre this far outside of the body
 constexpr double kTouchRadius_m = 0.05;
+constexpr double kKnownTouch_m = 0.09;  // a cell with its centre this near to the body may be what was touched
 constexpr double kTread_m = 0.02;
 constexpr double kBehind_m = 0.35;
 constexpr double kMoves_m = 0.05;    // less than this, or
@@ -42,7 +43,7 @@ FollowerConfig fitted(FollowerConfig config, double resolution_m) {
 
 }  // namespace
 
-double planning_radius_m(double body_radius_m, double cell_m) { return body_radius_m + 0.38 * cell_m; }
+double planning_radius_m(double body_radius_m, double cell_m) { return body_radius_m + 0.7 * cell_m; }
 
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
     : config_(config),
@@ -105,18 +106,39 @@ void Navigator::tread(const hal::PlanarPose& pose) {
   trodden_from_ = pose;
 }
 
+// Where on the bumper it was is known only roughly. If something is known to stand there, it was that, and it reaches a
+// little farther than was thought; else the middle of that part of the bumper met something that the camera cannot see.
+void Navigator::mark_touch(double side_rad) {
+  const hal::PlanarPose& pose = base_.T_world_base;
+  const double body_m = config_.follower.limits.body_radius_m;
+  const CellGrid<CellState>& states = ground_.states();
+  double angle_rad = pose.heading_rad + side_rad;
+  double nearest_m = body_m + kKnownTouch_m;
+  const Cell low = states.cell_of(pose.x_m - nearest_m, pose.y_m - nearest_m);
+  const Cell high = states.cell_of(pose.x_m + nearest_m, pose.y_m + nearest_m);
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      const Cell c{x, y};
+      if (!states.contains(c) || states.at(c) != CellState::occupied) continue;
+      const double dx = states.centre_x_m(c) - pose.x_m;
+      const double dy = states.centre_y_m(c) - pose.y_m;
+      const double to_rad = std::atan2(dy, dx);
+      const double off_rad = std::fabs(wrap_angle(to_rad - pose.heading_rad - side_rad));
+      if (off_rad > kTouchSide_rad || std::hypot(dx, dy) >= nearest_m) continue;
+      nearest_m = std::hypot(dx, dy);
+      angle_rad = to_rad;
+    }
+  }
+  const double out_m = body_m + kTouchDepth_m;
+  ground_.mark_contact(pose.x_m + out_m * std::cos(angle_rad), pose.y_m + out_m * std::sin(angle_rad), kTouchRadius_m);
+}
+
 void Navigator::meet(std::uint8_t flags, TimeNs now) {
-  const auto mark = [this](double side_rad) {
-    const double angle_rad = base_.T_world_base.heading_rad + side_rad;
-    const double out_m = config_.follower.limits.body_radius_m + kTouchDepth_m;
-    ground_.mark_contact(base_.T_world_base.x_m + out_m * std::cos(angle_rad),
-                         base_.T_world_base.y_m + out_m * std::sin(angle_rad), kTouchRadius_m);
-  };
   const bool left = (flags & hal::kobuki::kBumperLeft) != 0;
   const bool right = (flags & hal::kobuki::kBumperRight) != 0;
-  if (left) mark(kTouchSide_rad);
-  if (right) mark(-kTouchSide_rad);
-  if ((flags & hal::kobuki::kBumperCentre) != 0) mark(0.0);
+  if (left) mark_touch(kTouchSide_rad);
+  if (right) mark_touch(-kTouchSide_rad);
+  if ((flags & hal::kobuki::kBumperCentre) != 0) mark_touch(0.0);
   take_over_changes();
   if (mission_.is_driving()) {
     begin_trouble(Trouble::contact, StopReason::contact, (left ? 1.0 : 0.0) - (right ? 1.0 : 0.0), now);

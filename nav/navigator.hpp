@@ -98,6 +98,7 @@ class Navigator final : private FloorKnowledge {
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
   void tread(const hal::PlanarPose& pose);
+  void mark_touch(double side_rad);
   void meet(std::uint8_t flags, TimeNs now);
 
   void decide(TimeNs now);
