@@ -9,11 +9,7 @@
 namespace g3d::nav {
 namespace {
 
-constexpr double kTouchSide_rad = 0.9;  // where on the body the left and right parts of the bumper are
-constexpr double kTouchDepth_m = 0.03;  // an obstacle's centre this far outside of the body
 constexpr double kTouchRadius_m = 0.05;
-constexpr double kKnownTouch_m = 0.09;  // a cell with its centre this near to the body may be what was touched
-constexpr double kTread_m = 0.02;
 constexpr double kBehind_m = 0.35;
 constexpr double kMoves_m = 0.05;    // less than this, or
 constexpr double kMoves_rad = 0.15;  // than this, is no progress
@@ -56,13 +52,12 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
       behind_(config.follower.limits.body_radius_m, config.follower.limits.touch_margin_m, kBehind_m,
               ground_.resolution_m()),
       recovery_(config.recovery),
-      trodden_(ground_.resolution_m(), ground_.states().origin_x_m, ground_.states().origin_y_m,
-               ground_.states().columns, ground_.states().rows, 0),
+      trace_(ground_.states(), config.follower.limits.body_radius_m),
       is_noted_(ground_.states().cells.size()) {
   changed_.reserve(is_noted_.size());
 }
 
-bool Navigator::is_seen(Cell c) const { return ground_.is_floor_seen(c) || (trodden_.contains(c) && trodden_.at(c)); }
+bool Navigator::is_seen(Cell c) const { return ground_.is_floor_seen(c) || trace_.is_trodden(c); }
 
 void Navigator::note_changed(std::span<const std::uint32_t> cells) {
   for (const std::uint32_t cell : cells) {
@@ -88,57 +83,16 @@ void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_
   take_over_changes();
 }
 
-// Where the body is there is nothing else.
-void Navigator::tread(const hal::PlanarPose& pose) {
-  const double radius_m = config_.follower.limits.body_radius_m;
-  ground_.mark_free_disc(pose.x_m, pose.y_m, radius_m);
-  const Cell low = trodden_.cell_of(pose.x_m - radius_m, pose.y_m - radius_m);
-  const Cell high = trodden_.cell_of(pose.x_m + radius_m, pose.y_m + radius_m);
-  for (int y = low.y; y <= high.y; ++y) {
-    for (int x = low.x; x <= high.x; ++x) {
-      const Cell c{x, y};
-      if (!trodden_.contains(c)) continue;
-      const double dx = trodden_.centre_x_m(c) - pose.x_m;
-      const double dy = trodden_.centre_y_m(c) - pose.y_m;
-      if (dx * dx + dy * dy <= radius_m * radius_m) trodden_.at(c) = 1;
-    }
-  }
-  trodden_from_ = pose;
-}
-
-// Where on the bumper it was is known only roughly. If something is known to stand there, it was that, and it reaches a
-// little farther than was thought; else the middle of that part of the bumper met something that the camera cannot see.
-void Navigator::mark_touch(double side_rad) {
-  const hal::PlanarPose& pose = base_.T_world_base;
-  const double body_m = config_.follower.limits.body_radius_m;
-  const CellGrid<CellState>& states = ground_.states();
-  double angle_rad = pose.heading_rad + side_rad;
-  double nearest_m = body_m + kKnownTouch_m;
-  const Cell low = states.cell_of(pose.x_m - nearest_m, pose.y_m - nearest_m);
-  const Cell high = states.cell_of(pose.x_m + nearest_m, pose.y_m + nearest_m);
-  for (int y = low.y; y <= high.y; ++y) {
-    for (int x = low.x; x <= high.x; ++x) {
-      const Cell c{x, y};
-      if (!states.contains(c) || states.at(c) != CellState::occupied) continue;
-      const double dx = states.centre_x_m(c) - pose.x_m;
-      const double dy = states.centre_y_m(c) - pose.y_m;
-      const double to_rad = std::atan2(dy, dx);
-      const double off_rad = std::fabs(wrap_angle(to_rad - pose.heading_rad - side_rad));
-      if (off_rad > kTouchSide_rad || std::hypot(dx, dy) >= nearest_m) continue;
-      nearest_m = std::hypot(dx, dy);
-      angle_rad = to_rad;
-    }
-  }
-  const double out_m = body_m + kTouchDepth_m;
-  ground_.mark_contact(pose.x_m + out_m * std::cos(angle_rad), pose.y_m + out_m * std::sin(angle_rad), kTouchRadius_m);
-}
-
 void Navigator::meet(std::uint8_t flags, TimeNs now) {
   const bool left = (flags & hal::kobuki::kBumperLeft) != 0;
   const bool right = (flags & hal::kobuki::kBumperRight) != 0;
-  if (left) mark_touch(kTouchSide_rad);
-  if (right) mark_touch(-kTouchSide_rad);
-  if ((flags & hal::kobuki::kBumperCentre) != 0) mark_touch(0.0);
+  const auto mark = [this](double side_rad) {
+    const Waypoint touched = where_touched(ground_.states(), base_.T_world_base, side_rad, body_radius_m());
+    ground_.mark_contact(touched.x_m, touched.y_m, kTouchRadius_m);
+  };
+  if (left) mark(kBumperSide_rad);
+  if (right) mark(-kBumperSide_rad);
+  if ((flags & hal::kobuki::kBumperCentre) != 0) mark(0.0);
   take_over_changes();
   if (mission_.is_driving()) {
     begin_trouble(Trouble::contact, StopReason::contact, (left ? 1.0 : 0.0) - (right ? 1.0 : 0.0), now);
@@ -156,11 +110,9 @@ void Navigator::on_base(const BaseView& view, TimeNs now) {
     explorer_.set_home(home_);
     watched_pose_ = got_on_pose_ = home_;
     watched_ns_ = got_on_ns_ = now;
-    tread(home_);
-    take_over_changes();
   }
-  if (distance_m(view.T_world_base, trodden_from_) > kTread_m) {
-    tread(view.T_world_base);
+  if (trace_.tread(view.T_world_base)) {
+    ground_.mark_free_disc(view.T_world_base.x_m, view.T_world_base.y_m, body_radius_m());
     take_over_changes();
   }
   if (met != 0) meet(met, now);

@@ -20,6 +20,7 @@
 #include "hal/safety.hpp"
 #include "hal/twist.hpp"
 #include "mapper/voxel_map.hpp"
+#include "nav/body_trace.hpp"
 #include "nav/explorer.hpp"
 #include "nav/follower.hpp"
 #include "nav/ground_map.hpp"
@@ -97,8 +98,6 @@ class Navigator final : private FloorKnowledge {
   [[nodiscard]] bool is_seen(Cell c) const override;
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
-  void tread(const hal::PlanarPose& pose);
-  void mark_touch(double side_rad);
   void meet(std::uint8_t flags, TimeNs now);
 
   void decide(TimeNs now);
@@ -116,6 +115,7 @@ class Navigator final : private FloorKnowledge {
   [[nodiscard]] bool stands_by(TimeNs now);
   void retry(TimeNs now);
   [[nodiscard]] bool is_at_home() const;
+  [[nodiscard]] double body_radius_m() const { return config_.follower.limits.body_radius_m; }
 
   NavigatorConfig config_;
   GroundMap ground_;
@@ -128,7 +128,7 @@ class Navigator final : private FloorKnowledge {
   Mission mission_;
   MissionReport report_;
 
-  CellGrid<std::uint8_t> trodden_;      ///< 1 where the body was
+  BodyTrace trace_;
   std::vector<std::uint32_t> changed_;  ///< for the explorer, each once
   std::vector<std::uint8_t> is_noted_;
   std::size_t taken_over_ = 0;  ///< how many of the ground map's changed cells
@@ -136,7 +136,6 @@ class Navigator final : private FloorKnowledge {
   BaseView base_;
   bool has_base_ = false;
   hal::PlanarPose home_;
-  hal::PlanarPose trodden_from_;
   double free_behind_m_ = 0.0;
 
   Decision decision_;
