@@ -7,73 +7,20 @@
 #include <limits>
 #include <vector>
 
+#include "tests/support/driver_bench.hpp"
 #include "tests/support/kobuki_packets.hpp"
 
 using namespace g3d::hal;
 using namespace g3d::hal::kobuki;
-using g3d::tests::first_packet;
+using g3d::test::is_still;
 using g3d::tests::frame_of;
-using g3d::tests::packet_after;
+using Bench = g3d::test::DriverBench;
 
 namespace {
 
 constexpr TimeNs kMs = 1'000'000;
 constexpr TimeNs kStep_ns = 20 * kMs;
 using Bytes = std::vector<std::uint8_t>;
-
-bool is_still(const Twist& t) { return t.forward_mps == 0.0 && t.turn_radps == 0.0; }
-
-// A base that does at once what it is told, and a commander and a camera that are well until a test says otherwise.
-struct Bench {
-  BaseDriver driver;
-  Feedback packet = first_packet();
-  CommandReader reader;
-  std::vector<Command> heard;
-  Twist obeyed;
-  Twist wish;
-  TimeNs now_ns = 1'000 * kMs;
-  bool base = true, commander = true, camera = true, rear_is_free = true;
-  Bytes info;  // instead of the next packet
-
-  explicit Bench(const BaseDriverOptions& options = {}) : driver(options) {}
-
-  void hear(std::span<const std::uint8_t> bytes) {
-    reader.feed(bytes, [&](const Command& command) {
-      heard.push_back(command);
-      if (command.base) obeyed = to_twist(*command.base);
-    });
-  }
-  std::size_t tick() {
-    std::array<std::uint8_t, BaseDriver::kMaxOut_bytes> out;
-    const std::size_t size = driver.tick(now_ns, out);
-    hear({out.data(), size});
-    return size;
-  }
-  void next_packet() {
-    const double left_mps = obeyed.forward_mps - obeyed.turn_radps * kWheelBase_m / 2;
-    const double right_mps = obeyed.forward_mps + obeyed.turn_radps * kWheelBase_m / 2;
-    packet = packet_after(packet, static_cast<int>(std::lround(left_mps * 0.02 / kMetresPerTick)),
-                          static_cast<int>(std::lround(right_mps * 0.02 / kMetresPerTick)));
-  }
-  // One period: packet in, command out.
-  void step() {
-    now_ns += kStep_ns;
-    next_packet();
-    if (base) {
-      driver.on_bytes(info.empty() ? frame_of(packet) : info, now_ns);
-      info.clear();
-    }
-    if (commander) driver.set_command(wish, now_ns);
-    if (camera) driver.set_camera_alive(now_ns);
-    if (rear_is_free) driver.set_rear_free(now_ns);
-    tick();
-  }
-  void steps(int count) {
-    for (int i = 0; i < count; ++i) step();
-  }
-  const BaseState& state() const { return driver.state(); }
-  bool has(Condition c) const { return driver.state().conditions.has(c); }
-};
 
 Bench driving(const Twist& wish) {
   Bench bench;
@@ -366,22 +313,7 @@ TEST_CASE("Versions are asked for until they are answered, and only of a base th
   for (const Command& command : bench.heard) asked += command.request_extra == kAskAll;
   CHECK(asked >= 4);
   CHECK(asked <= 5);
-  bench.next_packet();
-  Packet answer{bench.packet, {}, {}};
-  answer.feedback.timestamp_ms = static_cast<std::uint16_t>(answer.feedback.timestamp_ms + 20);
-  answer.feedback.gyro_frame_id = static_cast<std::uint8_t>(answer.feedback.gyro_frame_id + 2);
-  answer.info.has_hardware = answer.info.has_firmware = answer.info.has_udid = true;
-  answer.info.hardware = {1, 0, 4};
-  answer.info.firmware = {1, 2, 0};
-  answer.info.udid = {1, 2, 3};
-  bench.packet = answer.feedback;
-  bench.info.resize(kMaxFrame_bytes);
-  bench.info.resize(encode_feedback(answer, bench.info));
-  const Bytes frame = bench.info;
-  bench.info.clear();
-  bench.now_ns += kStep_ns;
-  bench.driver.on_bytes(frame, bench.now_ns);
-  bench.tick();
+  bench.answer_versions();
   bench.heard.clear();
   bench.steps(100);
   for (const Command& command : bench.heard) CHECK_FALSE(command.request_extra.has_value());
