@@ -14,6 +14,7 @@ constexpr double kBetter = 1.05;         // a nearer point must allow this much 
 constexpr double kTurnFrom_rad = 1.0;    // path this far to the side: turn on the spot,
 constexpr double kTurnUntil_rad = 0.35;  // until so near; the rest is turned while driving
 constexpr double kBearing_m = 0.35;      // where the path leads to
+constexpr double kInView_rad = 0.4;      // half of the camera's 57 degrees, less some
 constexpr double kFaced_rad = 0.12;      // no use to turn any nearer to what does not let through
 constexpr double kHalfTurn_rad = 2.6;    // left or right is undecided beyond
 constexpr double kStanding_mps = 0.12;   // slow enough to begin a turn on the spot
@@ -38,7 +39,7 @@ void Follower::set_path(std::span<const Waypoint> path, std::optional<double> fi
   is_shut_ = false;
   at_end_ = track_.empty();
   if (at_end_ && !final_heading_rad_) return clear();
-  if (state_ != FollowerState::turning) state_ = FollowerState::driving;
+  state_ = FollowerState::driving;
 }
 
 void Follower::clear() {
@@ -47,6 +48,7 @@ void Follower::clear() {
   blocked_at_m_.reset();
   is_shut_ = false;
   at_end_ = false;
+  is_turning_to_path_ = false;
   limiter_ = SpeedLimiter::none;
   state_ = FollowerState::idle;
 }
@@ -68,22 +70,26 @@ hal::Twist Follower::step(const hal::PlanarPose& T_world_base, const hal::Twist&
 
   look_along_path(T_world_base, cost);
   const double bearing = bearing_rad(T_world_base, kBearing_m);
-  const double turn_limit_rad = state_ == FollowerState::turning ? kTurnUntil_rad : kTurnFrom_rad;
-  if (std::fabs(bearing) > turn_limit_rad) {
+  is_turning_to_path_ = std::fabs(bearing) > (is_turning_to_path_ ? kTurnUntil_rad : kTurnFrom_rad);
+  if (is_turning_to_path_) {
     state_ = FollowerState::turning;
     return turn(bearing, velocity);
   }
   turn_sign_ = 0.0;
   const Choice choice = choose_arc(T_world_base);
   limiter_ = choice.limiter;
-  // Where the arc does not go on, or only blindly, face the path first: the camera must see where the body goes.
+  // Before it creeps where nobody has looked, the path must be in view; where no arc goes on, a straight one may.
   const bool is_blind = choice.limiter == SpeedLimiter::unknown && choice.speed_mps <= config_.limits.crawl_speed_mps;
-  if (choice.speed_mps < kTooSlow_mps || is_blind) {
+  if (is_blind && std::fabs(bearing) > kInView_rad) {
+    is_turning_to_path_ = std::fabs(bearing) > kTurnUntil_rad;
+    state_ = FollowerState::turning;
+    return turn(bearing, velocity);
+  }
+  if (choice.speed_mps < kTooSlow_mps) {
     const double near_rad = bearing_rad(T_world_base, kLookahead_m.back());
-    const double facing_rad = std::fabs(near_rad) > std::fabs(bearing) ? near_rad : bearing;
-    if (std::fabs(facing_rad) > kFaced_rad) {
+    if (std::fabs(near_rad) > kFaced_rad) {
       state_ = FollowerState::turning;
-      return turn(facing_rad, velocity);
+      return turn(near_rad, velocity);
     }
   }
   state_ = FollowerState::driving;

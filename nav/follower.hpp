@@ -91,6 +91,7 @@ class Follower {
   SpeedLimiter limiter_ = SpeedLimiter::none;
   bool at_end_ = false;
   bool is_shut_ = false;
+  bool is_turning_to_path_ = false;
   double turn_sign_ = 0.0;  ///< kept while turning through half a turn, where left and right are equal
 };
 

@@ -53,11 +53,14 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
               ground_.resolution_m()),
       recovery_(config.recovery),
       trace_(ground_.states(), config.follower.limits.body_radius_m),
+      low_view_(ground_.states(), config.low_view),
       is_noted_(ground_.states().cells.size()) {
   changed_.reserve(is_noted_.size());
 }
 
-bool Navigator::is_seen(Cell c) const { return ground_.is_floor_seen(c) || trace_.is_trodden(c); }
+bool Navigator::is_seen(Cell c) const {
+  return ground_.is_floor_seen(c) || trace_.is_trodden(c) || low_view_.is_seen(c);
+}
 
 void Navigator::note_changed(std::span<const std::uint32_t> cells) {
   for (const std::uint32_t cell : cells) {
@@ -81,6 +84,7 @@ void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_
   ground_.update(map, changed_slots);
   taken_over_ = 0;
   take_over_changes();
+  if (has_base_) low_view_.look(ground_.states(), base_.T_world_base);
 }
 
 void Navigator::meet(std::uint8_t flags, TimeNs now) {

@@ -25,6 +25,7 @@
 #include "nav/follower.hpp"
 #include "nav/ground_map.hpp"
 #include "nav/inflation.hpp"
+#include "nav/low_view.hpp"
 #include "nav/mission.hpp"
 #include "nav/mission_report.hpp"
 #include "nav/recovery.hpp"
@@ -47,6 +48,7 @@ struct NavigatorConfig {
   ExplorerConfig explorer;
   FollowerConfig follower;
   RecoveryConfig recovery;
+  LowViewConfig low_view;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
   double decide_period_s = 1.0;
@@ -129,6 +131,7 @@ class Navigator final : private FloorKnowledge {
   MissionReport report_;
 
   BodyTrace trace_;
+  LowView low_view_;
   std::vector<std::uint32_t> changed_;  ///< for the explorer, each once
   std::vector<std::uint8_t> is_noted_;
   std::size_t taken_over_ = 0;  ///< how many of the ground map's changed cells

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
@@ -60,6 +59,10 @@ struct World {
     robot.step(hal::permit(navigator.step(now), verdict.allowance), kStep_s);
     now += static_cast<hal::TimeNs>(kStep_s * 1e9);
   }
+  void run(double duration_s) {
+    const hal::TimeNs until = now + static_cast<hal::TimeNs>(duration_s * 1e9);
+    while (now < until) step();
+  }
   bool reaches(MissionState state, double limit_s) {
     const hal::TimeNs until = now + static_cast<hal::TimeNs>(limit_s * 1e9);
     while (now < until && navigator.mission().state() != state) step();
@@ -97,4 +100,96 @@ TEST_CASE("It explores two rooms through a narrow door and returns home without 
   CHECK(world.navigator.report().goals_reached > 0);
   CHECK(world.navigator.decision().left.open == 0);
   CHECK(world.time_s() < 150);
+}
+
+TEST_CASE("The same drive twice is the same drive") {
+  World first(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  World second(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  first.run(40);
+  second.run(40);
+  CHECK(first.robot.pose() == second.robot.pose());
+  CHECK(first.navigator.report().path_m == second.navigator.report().path_m);
+  CHECK(first.navigator.report().paths_planned == second.navigator.report().paths_planned);
+  CHECK(first.navigator.cost().cells == second.navigator.cost().cells);
+}
+
+TEST_CASE("What the camera cannot see is touched slowly or not at all, marked, and driven around") {
+  World world(room({0, 0, 6, 3}), {0.8, 1.5, 0.0}, {-0.2, -0.2, 6.2, 3.2});
+  world.robot.glass().push_back({2.6, 0.9, 2.7, 2.1});
+  REQUIRE(world.reaches(MissionState::home, 400));
+  CHECK(world.navigator.report().stops[0] > 0);
+  CHECK(world.navigator.report().stops[0] < 12);
+  CHECK(std::hypot(world.robot.pose().x_m - 0.8, world.robot.pose().y_m - 1.5) < 0.35);
+}
+
+TEST_CASE("Somebody who stands in the only door for a while delays it and no more") {
+  World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  while (world.robot.pose().x_m < 2.6 && world.time_s() < 60) world.step();
+  world.robot.boxes().push_back({3.85, 1.6, 4.1, 2.0});
+  world.run(45);
+  CHECK(world.robot.pose().x_m < 4.0);
+  CHECK(world.robot.contacts() == 0);
+  world.robot.boxes().pop_back();
+  REQUIRE(world.reaches(MissionState::home, 400));
+  CHECK(world.robot.contacts() == 0);
+  CHECK(world.floor.coverage(inside(two_rooms())) > 0.985);
+}
+
+TEST_CASE("A person's word counts: pause, resume, stop, come home") {
+  World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  world.run(20);
+  world.navigator.command(nav::MissionEvent::pause);
+  world.run(1.5);
+  const hal::PlanarPose paused = world.robot.pose();
+  world.run(100);
+  CHECK(world.robot.pose() == paused);
+  CHECK(world.navigator.mission().state() == MissionState::paused);
+  world.navigator.command(nav::MissionEvent::resume);
+  world.run(8);
+  CHECK_FALSE(world.robot.pose() == paused);
+  CHECK(world.navigator.report().goals_failed == 0);     // the pause was not held against its goal
+  world.navigator.command(nav::MissionEvent::explored);  // not a person's to say
+  CHECK(world.navigator.mission().state() == MissionState::exploring);
+  world.navigator.command(nav::MissionEvent::come_home);
+  CHECK(world.navigator.mission().state() == MissionState::returning);
+  REQUIRE(world.reaches(MissionState::home, 60));
+  CHECK(world.floor.coverage(inside(two_rooms())) < 0.97);
+  const hal::PlanarPose home = world.robot.pose();
+  world.run(5);
+  CHECK(std::hypot(world.robot.pose().x_m - home.x_m, world.robot.pose().y_m - home.y_m) < 0.2);
+}
+
+TEST_CASE("While the safety table forbids motion it waits, and goes on by itself afterwards") {
+  World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  world.run(20);
+  hal::Conditions wrong;
+  wrong.set(hal::Condition::silent_camera);
+  world.verdict = hal::judge(wrong);
+  world.run(30);
+  CHECK(world.navigator.step(world.now) == hal::Twist{});
+  world.verdict = hal::judge({});
+  REQUIRE(world.reaches(MissionState::home, 300));
+  CHECK(world.navigator.report().stops[static_cast<std::size_t>(nav::StopReason::safety)] == 1);
+  CHECK(world.navigator.report().stops[static_cast<std::size_t>(nav::StopReason::no_progress)] == 0);
+}
+
+TEST_CASE("It gets away from where it starts, be it at a wall or in a corner") {
+  for (const hal::PlanarPose start : {hal::PlanarPose{0.19, 1.5, 3.1}, hal::PlanarPose{0.19, 0.19, -2.4},
+                                      hal::PlanarPose{3.70, 0.8, 0.0}, hal::PlanarPose{4.30, 3.80, 1.57}}) {
+    World world(two_rooms(), start, kTwoRooms);
+    CAPTURE(start.x_m, start.y_m);
+    CHECK(world.reaches(MissionState::home, 400));
+    CHECK(world.robot.contacts() == 0);
+    CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
+  }
+}
+
+TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot goes on") {
+  World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  world.run(15);
+  world.robot.is_stuck = true;
+  REQUIRE(world.reaches(MissionState::needs_help, 400));
+  CHECK(world.navigator.report().stops[static_cast<std::size_t>(nav::StopReason::no_progress)] > 0);
+  world.robot.is_stuck = false;
+  REQUIRE(world.reaches(MissionState::home, 400));
 }

@@ -34,11 +34,13 @@ KinematicRobot::KinematicRobot(std::vector<Box> boxes, const hal::PlanarPose& T_
 
 double KinematicRobot::clearance_m() const {
   double nearest_m = 10.0;
-  for (const Box& b : boxes_) {
+  const auto measure = [&](const Box& b) {
     const double dx = std::max({b.x0_m - pose_.x_m, pose_.x_m - b.x1_m, 0.0});
     const double dy = std::max({b.y0_m - pose_.y_m, pose_.y_m - b.y1_m, 0.0});
     nearest_m = std::min(nearest_m, std::sqrt(dx * dx + dy * dy) - kKinematicBody_m);
-  }
+  };
+  std::for_each(boxes_.begin(), boxes_.end(), measure);
+  std::for_each(glass_.begin(), glass_.end(), measure);
   return nearest_m;
 }
 
@@ -46,6 +48,10 @@ void KinematicRobot::step(const hal::Twist& wanted, double dt_s) {
   on_the_way_.push_back(wanted);
   const hal::Twist command = on_the_way_.front();
   on_the_way_.pop_front();
+  if (is_stuck) {
+    velocity_ = {};
+    return;
+  }
   velocity_.forward_mps =
       approach(velocity_.forward_mps, command.forward_mps, kFaster_mps2 * dt_s, kSlower_mps2 * dt_s);
   velocity_.turn_radps = approach(velocity_.turn_radps, command.turn_radps, kTurn_radps2 * dt_s, kTurn_radps2 * dt_s);

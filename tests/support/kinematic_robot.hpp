@@ -38,9 +38,14 @@ class KinematicRobot {
   [[nodiscard]] double rotation_rad() const { return rotation_rad_; }
   [[nodiscard]] std::vector<Box>& boxes() { return boxes_; }
   [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }
+  /// What no camera sees, and bodies touch all the same.
+  [[nodiscard]] std::vector<Box>& glass() { return glass_; }
+  /// Wheels that turn in vain.
+  bool is_stuck = false;
 
  private:
   std::vector<Box> boxes_;
+  std::vector<Box> glass_;
   hal::PlanarPose pose_;
   hal::Twist velocity_;
   std::deque<hal::Twist> on_the_way_;
