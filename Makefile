@@ -168,7 +168,8 @@ $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
 $(filter $(BUILD)/mapper/cpu/% $(BUILD)/hal/sim/%,$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
 
 READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
-  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o)
+  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o \
+  $(addprefix hal/kobuki/,command.o feedback_codec.o frame_scanner.o odometry.o packet_gates.o packet_reader.o))
 $(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
 
 $(RUNNER_OBJ): tests/main.cpp

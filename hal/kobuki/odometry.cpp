@@ -16,8 +16,6 @@ constexpr double kRadPerCdeg = kPi / 18'000.0;
 constexpr TimeNs kStale_ns = 100'000'000;
 constexpr TimeNs kMs_ns = 1'000'000;
 constexpr int kStampWrap_ms = 65'536;
-/// How far the stamps may run away from our clock in one step: bytes wait in buffers, clocks differ a little.
-constexpr std::int64_t kStampSlack_ms = 250;
 /// After this long without a tick the base rests; a gyro drifts by less than this much.
 constexpr int kRest_ms = 400;
 constexpr int kDrift_cdegps = 100;

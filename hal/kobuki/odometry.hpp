@@ -11,6 +11,9 @@
 
 namespace g3d::hal::kobuki {
 
+/// How far the base's stamps may run away from our clock in one step: bytes wait in buffers, clocks differ a little.
+inline constexpr int kStampSlack_ms = 250;
+
 enum class Wheel : std::uint8_t { none, left, right };
 
 /// What did and what did not move the pose, counted.
