@@ -70,6 +70,8 @@ pole 7.5 5.6 0  0.0125 1.8  color=#c02040
 pole -1.5 -5.6 0  0.01 2.5  color=#f0c000
 sphere 0.5 5.75 0.15  0.15  color=#e05020
 box -9.7 -5.65 0  0.4 0.4 0.4 25  color=#c79a63
+start -9.3 -5 0
+start 10 1 90
 )";
 
 const std::string_view kCorridorPath = R"(0.0 -9.300 -5.000 0.60 0.0 0.0

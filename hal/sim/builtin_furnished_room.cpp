@@ -184,6 +184,8 @@ box 3.55 -1.3 0  0.3 0.3 0.3 45  color=#5fa08a
 box 0.3 -4.4 0  0.5 0.4 0.3 -25  color=#b98a55
 cone 3.4 -4.3 0  0.16 0.34 0.21  color=#b5532c
 cone 3.4 -4.3 0.34  0.34 0.9 0  color=#2f7d3b
+start -2.5 -2 90
+start 2.5 0 -90
 )";
 
 const std::string_view kFurnishedRoomPath = R"(0.0 2.500 -1.600 0.50 28.0 12.6

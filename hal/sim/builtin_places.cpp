@@ -28,6 +28,7 @@ box -0.3 1.2 0  0.3 0.6 0.6  color=#5f5048
 box 2 0 0  1.2 0.8 0.75  color=#3f7f6b
 cylinder 3.5 1.5 0  0.3 1.2  color=#8060a0
 sphere 1 -1.2 0.3  0.3  color=#3060c0
+start -2 -0.1 0
 )";
 
 const std::string_view kTwoRoomsPath = R"(0.0 -1.300 -0.100 0.60 -90.0 0.0
@@ -73,7 +74,7 @@ box 2.5 0 2.1  0.1 2.4 0.6  color=#c9c2d4
 box 2.5 0.75 0  0.03 0.9 2.1  color=#a8d8d8 glass
 box 4.3 0 0.71  1.2 2.4 0.04  color=#6b4a3a color2=#604030 texture=stripes:0.12
 cylinder 4.3 0 0  0.12 0.71  color=#505058
-cylinder 4.3 0 0  0.45 0.03  color=#505058
+cylinder 4.3 0 0  0.45 0.012  color=#505058
 box 3.3 0.7 0.42  0.45 0.45 0.06 5  color=#c8553d
 box 3.1 0.7 0.48  0.05 0.45 0.5 5  color=#c8553d
 pole 3.3 0.7 0  0.025 0.42  color=#808088
@@ -99,11 +100,11 @@ box -2.0 -0.18 0.84  0.55 0.04 0.34  color=#30343a
 box -3.5 1.1 0.45  0.48 0.48 0.06 15  color=#2f4858
 box -3.55 1.33 0.51  0.45 0.05 0.5 15  color=#2f4858
 pole -3.5 1.1 0.06  0.03 0.4  color=#8a8a90
-cylinder -3.5 1.1 0  0.25 0.06  color=#55565a
+cylinder -3.5 1.1 0  0.25 0.1  color=#55565a
 box -2.1 -1.1 0.45  0.48 0.48 0.06 -20  color=#86340f
 box -2.18 -1.33 0.51  0.45 0.05 0.5 -20  color=#86340f
 pole -2.1 -1.1 0.06  0.03 0.4  color=#8a8a90
-cylinder -2.1 -1.1 0  0.25 0.06  color=#55565a
+cylinder -2.1 -1.1 0  0.25 0.1  color=#55565a
 # Kitchenette and shelves in the south, copier in the west
 box -4.6 -3.7 0  2.4 0.6 0.9  color=#f4f1e8 color2=#e2ded0 texture=stripes:0.6
 box -4.6 -3.85 1.5  2.4 0.3 0.6  color=#f4f1e8 color2=#e2ded0 texture=stripes:0.6
@@ -126,6 +127,9 @@ cylinder -0.8 1.0 0  0.14 0.35  color=#b0b4b8
 box -5.5 3.4 0  0.6 0.5 0.4 20  color=#c79a63
 stairs 0.3 2.9 0  0.9 0.28 0.17 3  color=#c2b59b color2=#a6987c texture=stripes:0.2
 pole 1.2 1.6 0  0.0125 2.7  color=#c02040
+start -0.3 0.2 180
+start 1.6 -2.4 90
+start -5.1 0 -90
 )";
 
 const std::string_view kOfficePath = R"(0 -0.3 0.0 0.6 180 -5
@@ -160,6 +164,7 @@ box 2.7 1.5 0  0.5 1.2 0.9  color=#8a5a33
 shelves 2.8 -1.4 0  1.0 0.3 1.6 5 90  color=#d8c49a
 pole 1.6 1.6 0  0.0125 2.5  color=#c02040
 person 1.75 0.22  2,1.2,-4.5 5,0.6,0 8,-1.1,0 9,-1.1,0 11,0.6,0.4 13,1.2,4.5  color=#3c5a80 color2=#2f4866 texture=stripes:0.25
+start -2 0 0
 )";
 
 const std::string_view kVisitorPath = R"(0 -2 0 0.8 0 0

@@ -17,4 +17,14 @@ extern const std::string_view kOfficePath;
 extern const std::string_view kVisitorWorld;
 extern const std::string_view kVisitorPath;
 
+extern const std::string_view kHouseWorld;
+extern const std::string_view kDoorwaysWorld;
+extern const std::string_view kLoopsWorld;
+extern const std::string_view kMazeWorld;
+extern const std::string_view kWarehouseWorld;
+extern const std::string_view kHallWorld;
+extern const std::string_view kPeopleWorld;
+extern const std::string_view kLabWorld;
+extern const std::string_view kGlassWorld;
+
 }  // namespace g3d::hal

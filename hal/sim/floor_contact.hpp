@@ -34,7 +34,8 @@ class FloorContact {
   /// `world` must outlive this.
   explicit FloorContact(const World& world);
 
-  /// The nearest thing within kReach_m of (x, y) in the slice; the mover `hidden` does not count.
+  /// The nearest thing within kReach_m of (x, y) in the slice; the mover `hidden` does not count, nor do
+  /// movers without a place.
   [[nodiscard]] Thing nearest(double x_m, double y_m, const HeightSlice& slice, MoverPlaces places_m,
                               std::int32_t hidden) const;
   /// visit(Thing) for everything nearer than `reach_m` (at most kReach_m).
@@ -66,7 +67,7 @@ void FloorContact::for_near(double x_m, double y_m, double reach_m, const Height
   }
   for (const std::int32_t i : moving_) {
     const std::int32_t mover = world_.primitives()[static_cast<std::size_t>(i)].mover;
-    if (mover == hidden) continue;
+    if (mover == hidden || static_cast<std::size_t>(mover) >= places_m.size()) continue;
     const PlanPoint at = nearest_in_plan(world_.placed(static_cast<std::size_t>(i), places_m), slice, x_m, y_m);
     if (at.distance_m < reach_m) visit(Thing{Kind::solid, i, mover, at});
   }
