@@ -152,15 +152,17 @@ void Navigator::decide(TimeNs now) {
   changed_.clear();
   report_.frontiers_left = decision_.left;
   next_decision_ns_ = after(now, config_.decide_period_s);
-  const bool is_first = !has_decision_;
-  has_decision_ = true;
+  const bool is_other = decision_.kind != followed_.kind || !(decision_.goal == followed_.goal);
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
   const bool is_idle = !is_spinning_ && follower_.state() == FollowerState::idle;
-  if (decision_.is_new || is_first || is_idle || decision_.kind == DecisionKind::done) follow_decision(now);
+  // A look around moves its goal's heading along with the robot: only a new one counts.
+  const bool is_changed = decision_.kind == DecisionKind::look_around ? !is_spinning_ : is_other;
+  if (decision_.is_new || is_changed || is_idle || decision_.kind == DecisionKind::done) follow_decision(now);
 }
 
 void Navigator::follow_decision(TimeNs now) {
+  followed_ = decision_;
   is_spinning_ = false;
   switch (decision_.kind) {
     case DecisionKind::look_around:
@@ -187,6 +189,7 @@ bool Navigator::plan(TimeNs now) {
   if (route.status == PathStatus::found) {
     const bool is_goal = decision_.kind == DecisionKind::goal;
     follower_.set_path(route.points, is_goal ? std::optional(decision_.goal.heading_rad) : std::nullopt);
+    is_on_way_home_ = !is_goal;
     return true;
   }
   follower_.clear();
@@ -209,11 +212,22 @@ void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
   next_decision_ns_ = after(now, kAgain_s);
 }
 
+// Nothing is left to explore. Home is where it goes, even if the explorer has given that up.
 void Navigator::finish(TimeNs now) {
-  follower_.clear();
   mission_.apply(MissionEvent::explored);
-  if (mission_.apply(is_at_home() ? MissionEvent::at_home : MissionEvent::no_way_home))
+  if (is_at_home()) {
+    follower_.clear();
+    mission_.apply(MissionEvent::at_home);
+    return;
+  }
+  if (follower_.state() != FollowerState::idle && is_on_way_home_) return;
+  decision_.kind = DecisionKind::go_home;
+  decision_.goal = home_;
+  if (plan(now)) {
+    goal_until_ns_ = after(now, follower_.track().length_m() / kSlowest_mps + kGoalGrace_s);
+  } else if (recovery_.phase() == RecoveryPhase::idle && mission_.apply(MissionEvent::no_way_home)) {
     retry_ns_ = after(now, config_.retry_s);
+  }
 }
 
 // --- Driving --------------------------------------------------------------------------------------------------------
@@ -246,6 +260,9 @@ hal::Twist Navigator::recover(TimeNs now) {
   if (recovery_.phase() == RecoveryPhase::gave_up) {
     fail_goal(GoalFailure::stuck, now);
     recovery_.reset();
+    if (decision_.kind == DecisionKind::go_home && mission_.apply(MissionEvent::no_way_home)) {
+      retry_ns_ = after(now, config_.retry_s);
+    }
   }
   watched_ns_ = now;
   watched_pose_ = base_.T_world_base;

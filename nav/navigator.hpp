@@ -142,7 +142,8 @@ class Navigator final : private FloorKnowledge {
   double free_behind_m_ = 0.0;
 
   Decision decision_;
-  bool has_decision_ = false;
+  Decision followed_;  ///< what the follower, or the look around, is about
+  bool is_on_way_home_ = false;
   TimeNs next_decision_ns_ = 0;
   TimeNs next_plan_ns_ = 0;
   TimeNs next_refresh_ns_ = 0;

@@ -137,7 +137,7 @@ TEST_CASE("Somebody who stands in the only door for a while delays it and no mor
 
 TEST_CASE("A person's word counts: pause, resume, stop, come home") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
-  world.run(20);
+  world.run(12);
   world.navigator.command(nav::MissionEvent::pause);
   world.run(1.5);
   const hal::PlanarPose paused = world.robot.pose();
@@ -145,7 +145,7 @@ TEST_CASE("A person's word counts: pause, resume, stop, come home") {
   CHECK(world.robot.pose() == paused);
   CHECK(world.navigator.mission().state() == MissionState::paused);
   world.navigator.command(nav::MissionEvent::resume);
-  world.run(8);
+  world.run(3);
   CHECK_FALSE(world.robot.pose() == paused);
   CHECK(world.navigator.report().goals_failed == 0);     // the pause was not held against its goal
   world.navigator.command(nav::MissionEvent::explored);  // not a person's to say
