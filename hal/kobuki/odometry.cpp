@@ -19,6 +19,8 @@ constexpr int kStampWrap_ms = 65'536;
 /// After this long without a tick the base rests; a gyro drifts by less than this much.
 constexpr int kRest_ms = 400;
 constexpr int kDrift_cdegps = 100;
+constexpr int kDriftKnown_ms = 2'000;
+constexpr int kDriftMemory_ms = 60'000;
 /// A driven wheel has at least this much PWM; captured bases roll at 13.
 constexpr int kDriven_pwm = 8;
 /// The other wheel's way that makes a silent one suspicious: 17 mm.
@@ -39,8 +41,7 @@ void Odometry::update(const Feedback& feedback) {
     if (feedback.received_ns - moved_ns_ > kStale_ns) velocity_ = {};
     return;
   }
-  if (std::optional<Step> step = step_from_last(feedback)) {
-    hold_heading_at_rest(*step);
+  if (const std::optional<Step> step = step_from_last(feedback)) {
     move(*step);
     watch_wheels(*step, feedback);
     ++counts_.steps;
@@ -76,19 +77,27 @@ std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback)
   return step;
 }
 
-void Odometry::hold_heading_at_rest(Step& step) {
-  if (step.left_ticks != 0 || step.right_ticks != 0) {
-    at_rest_ms_ = 0;
-    return;
+double Odometry::gyro_drift_cdegps() const {
+  return drift_ms_ < kDriftKnown_ms ? 0.0 : 1000.0 * drift_cdeg_ / drift_ms_;
+}
+
+double Odometry::true_turn_cdeg(const Step& step) {
+  const bool stands = step.left_ticks == 0 && step.right_ticks == 0;
+  at_rest_ms_ = stands ? std::min(at_rest_ms_ + step.elapsed_ms, kRest_ms) : 0;
+  const bool may_be_drift = std::abs(step.turn_cdeg) <= 1 + kDrift_cdegps * step.elapsed_ms / 1000;
+  if (at_rest_ms_ < kRest_ms || !may_be_drift) return step.turn_cdeg - gyro_drift_cdegps() * step.elapsed_ms / 1000.0;
+  drift_cdeg_ += step.turn_cdeg;
+  drift_ms_ += step.elapsed_ms;
+  if (drift_ms_ > kDriftMemory_ms) {
+    drift_cdeg_ /= 2;
+    drift_ms_ /= 2;
   }
-  at_rest_ms_ = std::min(at_rest_ms_ + step.elapsed_ms, kRest_ms);
-  if (at_rest_ms_ < kRest_ms) return;
-  if (std::abs(step.turn_cdeg) <= 1 + kDrift_cdegps * step.elapsed_ms / 1000) step.turn_cdeg = 0;
+  return 0.0;
 }
 
 void Odometry::move(const Step& step) {
   const double way_m = 0.5 * (step.left_ticks + step.right_ticks) * kMetresPerTick;
-  const double turn_rad = step.turn_cdeg * kRadPerCdeg;
+  const double turn_rad = true_turn_cdeg(step) * kRadPerCdeg;
   // The chord of an arc lies along the heading half-way and is shorter by turn^2 / 24: 1e-4 of it in 20 ms.
   const double chord_m = way_m * (1.0 - turn_rad * turn_rad / 24.0);
   const SinCos along = sin_cos_deg((T_world_base_.heading_rad + 0.5 * turn_rad) * (180.0 / kPi));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the base is, from its wheels and its gyro: the way from the encoders, the heading from the gyro (its angle
 // cannot be reset, so the first reading is the offset). While the wheels stand, so does the heading: what the gyro says
-// then is its drift.
+// then is its drift, which is subtracted while they turn.
 #pragma once
 
 #include <optional>
@@ -43,6 +43,8 @@ class Odometry {
   [[nodiscard]] Wheel dead_wheel() const { return dead_wheel_; }
   /// Both wheels are driven and neither has ticked for 0.5 s: the base pushes against something.
   [[nodiscard]] bool is_stalled() const { return stalled_ms_ >= kPatience_ms; }
+  /// What the gyro turns by itself, as seen at rest; 0 before the base has rested for 2 s in all.
+  [[nodiscard]] double gyro_drift_cdegps() const;
   [[nodiscard]] const OdometryCounts& counts() const { return counts_; }
 
  private:
@@ -58,7 +60,7 @@ class Odometry {
     int turn_cdeg = 0;
   };
   [[nodiscard]] std::optional<Step> step_from_last(const Feedback& feedback);
-  void hold_heading_at_rest(Step& step);
+  [[nodiscard]] double true_turn_cdeg(const Step& step);
   void move(const Step& step);
   void watch_wheels(const Step& step, const Feedback& feedback);
   void watch_wheel(Suspicion& suspicion, Wheel wheel, int ticks, int other_ticks, int pwm, const Step& step);
@@ -69,6 +71,7 @@ class Odometry {
   std::optional<Feedback> last_;
   TimeNs moved_ns_ = 0;  // when a new stamp came last
   int at_rest_ms_ = 0;
+  int drift_cdeg_ = 0, drift_ms_ = 0;  // what the gyro said at rest, in how long
   int stalled_ms_ = 0;
   Suspicion left_, right_;
   Wheel dead_wheel_ = Wheel::none;
