@@ -165,7 +165,8 @@ $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
 # Tests are not what we measure; and a precompiled header wants the same options as its users.
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
 # Where the time of a frame goes, the last optimisation counts.
-$(filter $(BUILD)/mapper/cpu/% $(BUILD)/hal/sim/%,$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
+HOT := $(addprefix $(BUILD)/,mapper/cpu/% hal/sim/% nav/astar.o nav/distance_field.o nav/inflation.o nav/column_evidence.o)
+$(filter $(HOT),$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
 
 READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
   hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o \

@@ -12,13 +12,14 @@
 #include "mapper/pool.hpp"
 #include "nav/bucket_queue.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/search_labels.hpp"
 #include "nav/step_costs.hpp"
 
 namespace g3d::nav {
 
 enum class PathStatus : std::uint8_t {
   found,
-  unreachable,   ///< every cell that can be reached was looked at
+  unreachable,   ///< there is no way
   goal_blocked,  ///< no goal lies on the grid where the robot could stand
   start_outside,
   budget_spent,  ///< resume() goes on
@@ -49,27 +50,28 @@ class AStar {
   PathResult resume(const CellGrid<std::uint8_t>& cost, std::uint32_t max_expansions);
 
  private:
-  struct Node {
-    std::uint32_t g = 0;
-    std::uint32_t mark = 0;  ///< generation << 5 | closed | goal | direction it was reached by
-  };
-  static constexpr std::uint32_t kDirectionMask = 7, kClosed = 8, kGoal = 16, kGenerationShift = 5;
-  static constexpr std::uint32_t kFar = std::numeric_limits<std::uint32_t>::max();
-
-  [[nodiscard]] Node& node(std::uint32_t index);
+  void mark_goals(const CellGrid<std::uint8_t>& cost, std::span<const Cell> goals);
+  void clear_goal_side();
+  [[nodiscard]] bool is_goal_side_closed(const CellGrid<std::uint8_t>& cost);
+  [[nodiscard]] bool is_goal(std::uint32_t index, int x, int y) const;
   [[nodiscard]] std::uint32_t heuristic(int x, int y) const;
-  [[nodiscard]] bool mark_goals(const CellGrid<std::uint8_t>& cost, Cell start, std::span<const Cell> goals);
   PathResult search(const CellGrid<std::uint8_t>& cost, std::uint32_t max_expansions);
   [[nodiscard]] std::span<const Cell> trace_back(const CellGrid<std::uint8_t>& cost, Cell goal);
 
-  mapper::ReservedArray<Node> nodes_;
+  SearchLabels labels_;
   BucketQueue open_;
   std::vector<Cell> path_;
-  std::uint32_t generation_ = 0;
   StepRule rule_;
   Cell start_;
   Cell goal_low_;  ///< bounding box of the goals
   Cell goal_high_;
+
+  // The goals, and what can be reached from them: a flood that keeps pace with the search, until they meet or it is
+  // large. If it runs dry, nobody needs to look at the rest of the building.
+  mapper::ReservedArray<std::uint8_t> goal_side_;  ///< by cell: kGoal, kFlooded
+  std::vector<std::uint32_t> flood_;               ///< indices of the cells that are marked in goal_side_
+  std::size_t flood_next_ = 0;
+  bool is_flooding_ = false;
 };
 
 }  // namespace g3d::nav

@@ -7,14 +7,11 @@
 namespace g3d::nav {
 
 // A cell waits in the queue at most once for each neighbour that it can be reached from.
-DistanceField::DistanceField(std::size_t max_cells) : nodes_(max_cells), reached_(max_cells), open_(8 * max_cells) {}
+DistanceField::DistanceField(std::size_t max_cells) : labels_(max_cells), reached_(max_cells), open_(8 * max_cells) {}
 
 void DistanceField::compute(const CellGrid<std::uint8_t>& cost, Cell start, const DistanceOptions& options) {
-  assert(cost.cells.size() <= nodes_.size());
-  if (++generation_ >> (32 - kGenerationShift) != 0) {
-    nodes_.reset();
-    generation_ = 1;
-  }
+  assert(cost.cells.size() <= labels_.size() && cost.columns < 65536 && cost.rows < 65536);
+  labels_.begin();
   columns_ = cost.columns;
   rows_ = cost.rows;
   reached_count_ = 0;
@@ -22,26 +19,22 @@ void DistanceField::compute(const CellGrid<std::uint8_t>& cost, Cell start, cons
   if (!cost.contains(start)) return;
   rule_ = StepRule(cost, start, options.steps);
 
-  const std::uint32_t fresh = generation_ << kGenerationShift;
-  const auto start_index = static_cast<std::uint32_t>(cost.index(start));
-  nodes_[start_index] = {0, fresh};
+  const std::uint32_t max_cost = std::min(options.max_cost, SearchLabels::kRange - 1);
+  labels_.improve(static_cast<std::uint32_t>(cost.index(start)), 0, 0);
   open_.clear(0);
-  open_.push(0, start_index);
+  open_.push(0, packed(start.x, start.y));
   while (!open_.empty()) {
-    const std::uint32_t index = open_.pop();
-    Node& current = nodes_[index];
-    if ((current.mark & kClosed) != 0) continue;  // an older, costlier entry
-    current.mark |= kClosed;
+    const std::uint32_t cell = open_.pop();
+    const int x = packed_x(cell);
+    const int y = packed_y(cell);
+    const auto index = static_cast<std::uint32_t>(y * columns_ + x);
+    if (!labels_.close(index)) continue;  // an older, costlier entry
     reached_[reached_count_++] = index;
-    rule_.for_each_step(cost, index, static_cast<int>(index % static_cast<std::uint32_t>(columns_)),
-                        static_cast<int>(index / static_cast<std::uint32_t>(columns_)),
-                        [&](std::uint32_t next, int, int, std::uint32_t price, std::uint32_t direction) {
-                          Node& n = nodes_[next];
-                          const std::uint32_t g = current.g + price;
-                          if (g > options.max_cost) return;
-                          if (n.mark >> kGenerationShift == generation_ && g >= n.g) return;
-                          n = {g, fresh | direction};
-                          open_.push(g, next);
+    const std::uint32_t g = open_.key();
+    rule_.for_each_step(cost, index, x, y,
+                        [&](std::uint32_t next, int next_x, int next_y, std::uint32_t price, std::uint32_t direction) {
+                          if (g + price > max_cost || !labels_.improve(next, g + price, direction)) return;
+                          open_.push(g + price, packed(next_x, next_y));
                         });
   }
 }
@@ -54,7 +47,7 @@ bool DistanceField::path_to(Cell goal, std::vector<Cell>& path) const {
     if (c == start_) break;
     const std::size_t index =
         static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c.x);
-    const std::size_t direction = nodes_[index].mark & kDirectionMask;
+    const std::size_t direction = labels_.direction(static_cast<std::uint32_t>(index));
     c = {c.x - kStepX[direction], c.y - kStepY[direction]};
   }
   std::reverse(path.begin(), path.end());

@@ -12,13 +12,14 @@
 #include "mapper/pool.hpp"
 #include "nav/bucket_queue.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/search_labels.hpp"
 #include "nav/step_costs.hpp"
 
 namespace g3d::nav {
 
 struct DistanceOptions {
   StepOptions steps;
-  std::uint32_t max_cost = std::numeric_limits<std::uint32_t>::max() / 2;  ///< farther cells count as not reached
+  std::uint32_t max_cost = SearchLabels::kRange - 1;  ///< farther cells count as not reached
 };
 
 class DistanceField {
@@ -39,8 +40,7 @@ class DistanceField {
   }
   /// By cell index, which must lie inside.
   [[nodiscard]] std::uint32_t cost_to(std::uint32_t index) const {
-    const Node& node = nodes_[index];
-    return (node.mark >> kGenerationShift) == generation_ ? node.g : kUnreached;
+    return labels_.is_reached(index) ? labels_.g(index) : kUnreached;
   }
   /// Indices of all reached cells, nearest first.
   [[nodiscard]] std::span<const std::uint32_t> reached() const { return {reached_.data(), reached_count_}; }
@@ -48,17 +48,10 @@ class DistanceField {
   bool path_to(Cell goal, std::vector<Cell>& path) const;
 
  private:
-  struct Node {
-    std::uint32_t g = 0;
-    std::uint32_t mark = 0;  ///< generation << 4 | closed | direction it was reached by
-  };
-  static constexpr std::uint32_t kDirectionMask = 7, kClosed = 8, kGenerationShift = 4;
-
-  mapper::ReservedArray<Node> nodes_;
+  SearchLabels labels_;
   mapper::ReservedArray<std::uint32_t> reached_;
   std::size_t reached_count_ = 0;
   BucketQueue open_;
-  std::uint32_t generation_ = 0;
   StepRule rule_;
   Cell start_;
   int columns_ = 0;

@@ -11,6 +11,7 @@ namespace g3d::nav {
 namespace {
 
 constexpr std::size_t kPatience_cells = 40;  // how far beyond the last possible shortcut another one is looked for
+constexpr std::size_t kTrials = 16;          // long stretches are tried in steps of this part of their length
 constexpr double kTolerance = 1.0 + 1e-9;    // equal costs summed in another order
 
 double weight_of(std::uint8_t cost) { return kStraightCost + 0.8 * cost; }
@@ -90,6 +91,7 @@ void PathSmoother::pick_corners(const CellGrid<std::uint8_t>& cost, std::span<co
       const bool is_diagonal = path[to].x != path[to - 1].x && path[to].y != path[to - 1].y;
       along_path += weight_of(entered) * (is_diagonal ? std::sqrt(2.0) : 1.0);
       allowed = std::max(allowed, entered);
+      if (to % (1 + (to - from) / kTrials) != 0 && to != last) continue;
       const LineCost line = cost_of_line(cost, path[from], path[to], options.unknown_as);
       if (line.costliest <= allowed && line.total <= along_path * kTolerance) best = to;
     }

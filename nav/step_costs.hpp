@@ -46,6 +46,8 @@ class StepRule {
 
   [[nodiscard]] bool can_stand(std::uint8_t cost) const { return normal_.straight[cost] != 0; }
 
+  [[nodiscard]] bool gives_relief() const { return relief_cells_ >= 0; }
+
   /// visit(index of the neighbour, its x, its y, cost of the step, direction)
   template <typename Visit>
   void for_each_step(const CellGrid<std::uint8_t>& cost, std::uint32_t index, int x, int y, Visit&& visit) const {

@@ -149,6 +149,24 @@ TEST_CASE("A robot that stands tight gets out, but never through an obstacle") {
   CHECK(planner.plan(cost, {40, 10}, back).status == PathStatus::goal_blocked);  // relief is for starts alone
 }
 
+TEST_CASE("A goal in a closed room is given up without a look at the rest of the building") {
+  Costs cost(0.05, 0, 0, 500, 500, kFreeCost);
+  for (int i = 0; i <= 40; ++i) {
+    for (const Cell c : {Cell{400 + i, 400}, Cell{400 + i, 440}, Cell{400, 400 + i}, Cell{440, 400 + i}}) {
+      cost.at(c) = kLethalCost;
+    }
+  }
+  AStar planner(cost.cells.size());
+  const std::array<Cell, 2> goals{Cell{420, 420}, Cell{405, 430}};
+  const PathResult inside = planner.plan(cost, {100, 100}, goals);
+  CHECK(inside.status == PathStatus::unreachable);
+  CHECK(inside.expansions < 39 * 39 + 10);
+  const std::array<Cell, 3> one_outside{Cell{420, 420}, Cell{405, 430}, Cell{450, 450}};
+  CHECK(planner.plan(cost, {100, 100}, one_outside).status == PathStatus::found);
+  CHECK(planner.plan(cost, {420, 421}, goals).status == PathStatus::found);
+  CHECK(planner.plan(cost, {420, 421}, std::array{Cell{100, 100}}).status == PathStatus::unreachable);
+}
+
 TEST_CASE("A planner says what is wrong with a question") {
   Costs cost(0.05, 0, 0, 10, 10, kFreeCost);
   AStar planner(cost.cells.size());
