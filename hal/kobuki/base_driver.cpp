@@ -37,6 +37,7 @@ void BaseDriver::on_feedback(const Feedback& feedback) {
   odometry_.update(feedback);
   battery_.update(feedback);
   trail_.update(odometry_.T_world_base());
+  poses_.add(feedback.received_ns, odometry_.T_world_base());
 
   PacketFlags flags;
   flags.bumper = feedback.bumper != 0;

@@ -15,6 +15,7 @@
 #include "hal/kobuki/odometry.hpp"
 #include "hal/kobuki/outputs.hpp"
 #include "hal/kobuki/packet_reader.hpp"
+#include "hal/kobuki/pose_history.hpp"
 #include "hal/kobuki/retreat_trail.hpp"
 #include "hal/kobuki/signals.hpp"
 #include "hal/kobuki/speed_limits.hpp"
@@ -63,6 +64,8 @@ class BaseDriver {
 
   /// As of the last tick().
   [[nodiscard]] const BaseState& state() const { return state_; }
+  /// One pose for each packet.
+  [[nodiscard]] const PoseHistory& poses() const { return poses_; }
 
  private:
   void on_feedback(const Feedback& feedback);
@@ -76,6 +79,7 @@ class BaseDriver {
   Battery battery_;
   LinkDelay link_delay_;
   RetreatTrail trail_;
+  PoseHistory poses_;
   SpeedLimits limits_;
   Outputs outputs_;
   Signals signals_;

@@ -45,6 +45,7 @@ void BaseThread::run() {
       health_.write(own_health_);
     }
     if (heard || size > 0 || !(driver_.state().conditions == before)) state_.write(driver_.state());
+    if (heard) poses_.write(driver_.poses());
     if (guard_ != nullptr) guard_->beat();
     clock_.sleep_until(std::min(now_ns + options_.poll_ns, due_ns));
   }

@@ -59,6 +59,7 @@ class BaseThread {
   void resume() { resumes_.fetch_add(1, std::memory_order_release); }
 
   [[nodiscard]] const Latest<BaseState>& state() const { return state_; }
+  [[nodiscard]] const Latest<PoseHistory>& poses() const { return poses_; }
   [[nodiscard]] const Latest<BaseThreadHealth>& health() const { return health_; }
 
  private:
@@ -94,6 +95,7 @@ class BaseThread {
   std::uint32_t seen_e_stops_ = 0, seen_resumes_ = 0;
 
   Latest<BaseState> state_;
+  Latest<PoseHistory> poses_;
   Latest<BaseThreadHealth> health_;
   std::thread thread_;
 };

@@ -36,11 +36,11 @@ void ScriptedBase::run() {
     packet.cliff = static_cast<std::uint8_t>(flags >> 8);
     packet.wheel_drop = static_cast<std::uint8_t>(flags);
     const auto frame = tests::frame_of(packet);
-    const hal::TimeNs before_ns = clock.now();
-    if (::write(fd_, frame.data(), frame.size()) != static_cast<ssize_t>(frame.size())) continue;
-    last_sent_ns_.store(before_ns);
-    if (flags != told) flags_sent_ns_.store(before_ns);
+    // Before it is written: who sees the answer must find the time of the question.
+    last_sent_ns_.store(clock.now());
+    if (flags != told) flags_sent_ns_.store(clock.now());
     told = flags;
+    (void)!::write(fd_, frame.data(), frame.size());
   }
 }
 

@@ -101,6 +101,13 @@ TEST_CASE("It drives, reads and publishes on its own", "[threads]") {
   CHECK(becomes_true([&] { return robot.state().T_world_base.x_m > 0.02; }));
   CHECK(robot.state().verdict.state == SafetyState::free);
   CHECK(robot.state().packets > 10);
+  PoseHistory poses;
+  REQUIRE(robot.base.poses().read(poses) > 0);
+  const BaseState state = robot.state();
+  REQUIRE(robot.base.poses().read(poses) > 0);
+  const auto pose = poses.at(state.feedback_ns);
+  REQUIRE(pose);
+  CHECK(pose->x_m == Approx(state.T_world_base.x_m).margin(0.01));
   BaseThreadHealth health;
   CHECK(robot.base.health().read(health) > 0);
   CHECK(health.line_is_up);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/kobuki/pose_history.hpp"
+
+#include <numbers>
+
+namespace g3d::hal::kobuki {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// In (-pi, pi], for an angle not farther than one turn off.
+double wrapped(double angle_rad) {
+  if (angle_rad > kPi) return angle_rad - 2.0 * kPi;
+  return angle_rad <= -kPi ? angle_rad + 2.0 * kPi : angle_rad;
+}
+
+}  // namespace
+
+void PoseHistory::add(TimeNs stamp_ns, const PlanarPose& T_world_base) {
+  if (count_ > 0 && stamp_ns <= back(0).stamp_ns) return;
+  entries_[count_ % kPoses] = {stamp_ns, T_world_base};
+  ++count_;
+}
+
+std::optional<PlanarPose> PoseHistory::at(TimeNs stamp_ns) const {
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (back(i).stamp_ns > stamp_ns) continue;
+    if (back(i).stamp_ns == stamp_ns) return back(i).T_world_base;
+    const bool beyond = i == 0;
+    if (beyond && (size() < 2 || stamp_ns - back(0).stamp_ns > kMaxExtrapolation_ns)) return std::nullopt;
+    const Entry& from = back(beyond ? 1 : i);
+    const Entry& to = back(beyond ? 0 : i - 1);
+    if (to.stamp_ns - from.stamp_ns > kMaxGap_ns) return std::nullopt;
+    const double part =
+        static_cast<double>(stamp_ns - from.stamp_ns) / static_cast<double>(to.stamp_ns - from.stamp_ns);
+    const PlanarPose &a = from.T_world_base, &b = to.T_world_base;
+    return PlanarPose{a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
+                      wrapped(a.heading_rad + part * wrapped(b.heading_rad - a.heading_rad))};
+  }
+  return std::nullopt;
+}
+
+}  // namespace g3d::hal::kobuki

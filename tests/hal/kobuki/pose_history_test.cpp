@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/kobuki/pose_history.hpp"
+
+#include <catch2/catch.hpp>
+#include <type_traits>
+
+using g3d::hal::PlanarPose;
+using g3d::hal::TimeNs;
+using g3d::hal::kobuki::PoseHistory;
+
+namespace {
+
+constexpr TimeNs kMs = 1'000'000;
+
+PoseHistory straight(int poses) {
+  PoseHistory history;
+  for (int i = 0; i < poses; ++i) history.add(i * 20 * kMs, {0.01 * i, -0.02 * i, 0.001 * i});
+  return history;
+}
+
+}  // namespace
+
+static_assert(std::is_trivially_copyable_v<PoseHistory>);
+
+TEST_CASE("Between two poses it is interpolated, at one it is that one") {
+  const PoseHistory history = straight(20);
+  CHECK(history.at(100 * kMs) == PlanarPose{0.01 * 5, -0.02 * 5, 0.001 * 5});
+  const auto between = history.at(105 * kMs);
+  REQUIRE(between);
+  CHECK(between->x_m == Approx(0.0525));
+  CHECK(between->y_m == Approx(-0.105));
+  CHECK(between->heading_rad == Approx(0.00525));
+}
+
+TEST_CASE("A little beyond the newest it goes on as before; far beyond it is unknown") {
+  const PoseHistory history = straight(20);
+  const auto beyond = history.at(390 * kMs);
+  REQUIRE(beyond);
+  CHECK(beyond->x_m == Approx(0.195));
+  CHECK(history.at((380 + 40) * kMs));
+  CHECK_FALSE(history.at((380 + 41) * kMs));
+}
+
+TEST_CASE("Before the oldest it is unknown, and the oldest are forgotten") {
+  CHECK_FALSE(straight(20).at(-1));
+  CHECK_FALSE(PoseHistory().at(0));
+  CHECK_FALSE(straight(1).at(1));
+  CHECK(straight(1).at(0));
+  const PoseHistory history = straight(1'000);
+  CHECK(history.size() == PoseHistory::kPoses);
+  CHECK_FALSE(history.at((1'000 - 65) * 20 * kMs));
+  const auto oldest = history.at((1'000 - 64) * 20 * kMs);
+  REQUIRE(oldest);
+  CHECK(oldest->x_m == Approx(0.01 * 936));
+}
+
+TEST_CASE("The heading takes the short way over the wrap") {
+  PoseHistory history;
+  history.add(0, {0, 0, 3.1});
+  history.add(20 * kMs, {0, 0, -3.1});
+  CHECK(history.at(5 * kMs)->heading_rad == Approx(3.1 + 0.25 * 0.0831853));
+  CHECK(history.at(15 * kMs)->heading_rad == Approx(-3.1 - 0.25 * 0.0831853));
+  CHECK(history.at(40 * kMs)->heading_rad == Approx(-3.1 + 0.0831853));
+}
+
+TEST_CASE("In a gap nothing is known, and time does not go backwards") {
+  PoseHistory history = straight(5);
+  history.add(600 * kMs, {1, 0, 0});
+  CHECK_FALSE(history.at(300 * kMs));
+  CHECK_FALSE(history.at(610 * kMs));
+  CHECK(history.at(600 * kMs));
+  history.add(600 * kMs, {2, 0, 0});
+  history.add(10, {3, 0, 0});
+  CHECK(history.at(600 * kMs)->x_m == 1.0);
+}
