@@ -16,10 +16,12 @@ constexpr double kRadPerCdeg = kPi / 18'000.0;
 constexpr TimeNs kStale_ns = 100'000'000;
 constexpr TimeNs kMs_ns = 1'000'000;
 constexpr int kStampWrap_ms = 65'536;
-/// After this long without a tick the base rests; a gyro drifts by less than this much.
-constexpr int kRest_ms = 400;
+/// After this long without a tick the base rests, and has stopped swaying; a gyro drifts by less than this much.
+constexpr int kRest_ms = 1'000;
 constexpr int kDrift_cdegps = 100;
-constexpr int kDriftKnown_ms = 2'000;
+/// So much rest, and so many hundredths of a degree in it, are no rounding.
+constexpr int kDriftKnown_ms = 5'000;
+constexpr int kDriftKnown_cdeg = 5;
 constexpr int kDriftMemory_ms = 60'000;
 /// A driven wheel has at least this much PWM; captured bases roll at 13.
 constexpr int kDriven_pwm = 8;
@@ -78,7 +80,8 @@ std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback)
 }
 
 double Odometry::gyro_drift_cdegps() const {
-  return drift_ms_ < kDriftKnown_ms ? 0.0 : 1000.0 * drift_cdeg_ / drift_ms_;
+  if (drift_ms_ < kDriftKnown_ms || std::abs(drift_cdeg_) < kDriftKnown_cdeg) return 0.0;
+  return 1000.0 * drift_cdeg_ / drift_ms_;
 }
 
 double Odometry::true_turn_cdeg(const Step& step) {

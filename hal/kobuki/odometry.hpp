@@ -43,7 +43,8 @@ class Odometry {
   [[nodiscard]] Wheel dead_wheel() const { return dead_wheel_; }
   /// Both wheels are driven and neither has ticked for 0.5 s: the base pushes against something.
   [[nodiscard]] bool is_stalled() const { return stalled_ms_ >= kPatience_ms; }
-  /// What the gyro turns by itself, as seen at rest; 0 before the base has rested for 2 s in all.
+  /// What the gyro turns by itself, as seen at rest; 0 until the base has rested for 5 s in all and there is
+  /// more than rounding.
   [[nodiscard]] double gyro_drift_cdegps() const;
   [[nodiscard]] const OdometryCounts& counts() const { return counts_; }
 

@@ -150,7 +150,7 @@ TEST_CASE("further than a base can get is not believed") {
 
 TEST_CASE("at rest the gyro's drift does not turn the base, a push does") {
   Drive drive;
-  for (int i = 0; i < 25; ++i) drive.step(0, 0);
+  for (int i = 0; i < 50; ++i) drive.step(0, 0);
   for (int i = 0; i < 500; ++i) {
     drive.last.gyro_angle_cdeg = static_cast<std::int16_t>(drive.last.gyro_angle_cdeg - i % 2);
     drive.step(0, 0);
@@ -173,6 +173,19 @@ TEST_CASE("the drift seen at rest is subtracted while the base drives") {
   // A minute at 6 degrees a minute, known to 3 %.
   CHECK(std::abs(drive.odometry.T_world_base().heading_rad) < 0.2 * kPi / 180);
   CHECK(std::abs(drive.odometry.T_world_base().y_m) < 0.02 * drive.odometry.T_world_base().x_m);
+}
+
+TEST_CASE("a gyro without drift is not corrected, however often the base sways as it stops") {
+  Drive drive;
+  for (int stop = 0; stop < 20; ++stop) {
+    for (int i = 0; i < 50; ++i) drive.step(50, 50);
+    for (int i = 0; i < 200; ++i) {
+      if (i < 3) drive.last.gyro_angle_cdeg = static_cast<std::int16_t>(drive.last.gyro_angle_cdeg + (i == 1 ? 2 : -1));
+      drive.step(0, 0);
+    }
+  }
+  CHECK(drive.odometry.gyro_drift_cdegps() == 0.0);
+  CHECK(drive.odometry.T_world_base().heading_rad == Approx(0.0).margin(1e-12));
 }
 
 TEST_CASE("a driven wheel that never ticks while the base goes on is dead") {
