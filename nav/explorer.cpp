@@ -14,6 +14,7 @@
 #include "nav/viewpoints.hpp"
 
 namespace g3d::nav {
+extern double g_tune[16];
 namespace {
 
 constexpr TimeNs kReplanPeriod_ns = 1'000'000'000;
@@ -29,10 +30,7 @@ struct Explorer::State {
   struct Goal {
     bool active = false;
     Cell cell;
-    std::uint32_t road = 0;
-    int first_bearing = 0;
-    double heading_rad = 0.0;
-    double gain_cells = 0.0;
+    View view;
   };
   enum class Stage : std::uint8_t { start, looking_around, exploring, going_home, at_home };
 
@@ -75,6 +73,7 @@ struct Explorer::State {
   bool failed = false;
   GoalFailure failure = GoalFailure::no_path;
   TimeNs planned_at = 0;
+  std::size_t changes = 0;
   std::uint32_t home_failures = 0;
   FrontiersLeft left;
 };
@@ -85,8 +84,8 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   origin_x_m = ground.origin_x_m;
   origin_y_m = ground.origin_y_m;
   const double area = ground.resolution_m * ground.resolution_m / (0.05 * 0.05);
-  min_gain_cells = config.min_gain_cells / area;
-  const ViewModel model{config.near_m, config.far_m, config.view_rad, 1.5};
+  min_gain_cells = g_tune[7] / area;
+  const ViewModel model{config.near_m, config.far_m, config.view_rad, g_tune[4]};
   camera = std::make_unique<ViewGain>(model, ground.resolution_m);
   frontiers.reset(ground);
   roads.reset(cost, config.body_radius_m);
@@ -127,15 +126,16 @@ bool Explorer::State::in_area(double x_m, double y_m) const {
 
 bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   camera->look(ground, goal.cell, panorama);
-  const double gain = tour.gain_of(panorama, goal.first_bearing, targets, aside.ignored());
-  return gain >= std::max(min_gain_cells, kDropShare * goal.gain_cells);
+  const double gain = tour.gain_of(panorama, goal.view.first_bearing, targets, aside.ignored());
+  return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
 /// It stood there and looked: what it was promised to see and did not, it will not see from there.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
   camera->look(ground, goal.cell, panorama);
   for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
-    const RayGain& ray = panorama[static_cast<std::size_t>((goal.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    const RayGain& ray =
+        panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
     if (ray.entry != RayGain::kNothing) {
       aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now);
     }
@@ -146,7 +146,8 @@ void Explorer::State::note_blocked(const CellGrid<CellState>& ground, TimeNs now
   aside.place_failed(goal.cell, now);
   camera->look(ground, goal.cell, panorama);
   for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
-    const RayGain& ray = panorama[static_cast<std::size_t>((goal.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    const RayGain& ray =
+        panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
     if (ray.entry != RayGain::kNothing) {
       aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::blocked, now);
     }
@@ -163,8 +164,16 @@ std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, c
   for (;;) {
     const bool complete =
         places.refresh(ground, cost, roads, from_robot, frontiers, *camera, config.max_views_per_decision);
-    const std::span<const View> views = tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), allowed);
-    if (!views.empty() || complete) return views;
+    const bool keep = goal.active && places.place(goal.view.slot).cell == goal.cell;
+    tour.keep(keep ? &goal.view : nullptr);
+    // What is rich first, so that the tour is not drawn into every corner; then what is left.
+    for (const double least : {g_tune[3], g_tune[9], min_gain_cells}) {
+      tour.set_min_gain(std::max(least, min_gain_cells));
+      const std::span<const View> views =
+          tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), allowed);
+      if (!views.empty()) return views;
+    }
+    if (complete) return {};
   }
 }
 
@@ -179,9 +188,9 @@ bool Explorer::State::needs_energy_for_home(const CellGrid<CellState>& ground) c
 Decision Explorer::State::goal_decision(const CellGrid<CellState>& ground, bool is_new) const {
   Decision d;
   d.kind = DecisionKind::goal;
-  d.goal = {ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell), goal.heading_rad};
+  d.goal = {ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell), goal.view.heading_rad};
   d.is_new = is_new;
-  d.expected_cells = goal.gain_cells;
+  d.expected_cells = static_cast<double>(goal.view.gain_cells);
   d.left = left;
   return d;
 }
@@ -241,7 +250,11 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   if (s.reached || s.failed) s.goal.active = false;
   s.reached = s.failed = false;
   const bool pays = s.goal.active && s.goal_still_pays(ground);
-  if (pays && now - s.planned_at < kReplanPeriod_ns) return s.goal_decision(ground, false);
+  s.changes += changed_cells.size();
+  const bool little_new = s.changes < static_cast<std::size_t>(g_tune[5]) && now - s.planned_at < 10 * kReplanPeriod_ns;
+  if (pays && (now - s.planned_at < kReplanPeriod_ns || little_new)) return s.goal_decision(ground, false);
+  s.changes = 0;
+  s.goal.active = pays;
 
   s.planned_at = now;
   const Cell at = ground.cell_of(T_world_base.x_m, T_world_base.y_m);
@@ -263,10 +276,9 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   const View& first = views.front();
   const Place& place = s.places.place(first.slot);
   const bool same = s.goal.active && s.goal.cell == place.cell &&
-                    std::abs(std::remainder(first.heading_rad - s.goal.heading_rad, kTurnAround_rad)) < 0.3;
+                    std::abs(std::remainder(first.heading_rad - s.goal.view.heading_rad, kTurnAround_rad)) < 0.3;
   if (same && pays) return s.goal_decision(ground, false);
-  s.goal = {
-      true, place.cell, place.road, first.first_bearing, first.heading_rad, static_cast<double>(first.gain_cells)};
+  s.goal = {true, place.cell, first};
   return s.goal_decision(ground, true);
 }
 

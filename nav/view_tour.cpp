@@ -6,6 +6,7 @@
 #include <cmath>
 
 namespace g3d::nav {
+double g_tune[16] = {0.3, 8.0, 3.0, 150, 0.8, 300, 1.0, 6, 24, 40};
 namespace {
 
 double turn_between(double a, double b) { return std::abs(std::remainder(a - b, 6.283185307179586)); }
@@ -20,10 +21,15 @@ void Targets::reset(int columns, int rows) {
 
 void ViewTour::reset(const RoadGrid& roads, const Targets& targets, const TourConfig& config, int window) {
   config_ = config;
+  config_.length_weight = g_tune[0];
+  config_.near_s = g_tune[1];
+  config_.keep_s = g_tune[2];
+  config_.stop_s = g_tune[6];
+  config_.max_views = static_cast<int>(g_tune[8]);
   window_ = window;
   covered_in_.assign(targets.size(), 0);
   round_ = 0;
-  const std::size_t stops = static_cast<std::size_t>(config.max_views) + 1;
+  const std::size_t stops = static_cast<std::size_t>(config_.max_views) + 1;
   heap_.reserve(Viewpoints::kMaxPlaces);
   views_.reserve(stops);
   tour_.reserve(stops);
@@ -74,6 +80,21 @@ double ViewTour::gain_of(const PanoramaGain& gain, int first_bearing, const Targ
   return sum;
 }
 
+void ViewTour::take(const Viewpoints& places, const Targets& targets, std::uint32_t slot, const Best& best) {
+  const Place& place = places.place(slot);
+  View view;
+  view.slot = slot;
+  view.road = place.road;
+  view.first_bearing = best.first_bearing;
+  view.heading_rad = std::remainder((best.first_bearing + window_ / 2.0) * kBearing_rad, 6.283185307179586);
+  view.gain_cells = best.gain;
+  views_.push_back(view);
+  for (int k = 0; k < window_ * kRaysPerBearing; ++k) {
+    const RayGain& ray = place.gain[static_cast<std::size_t>((best.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    if (ray.entry != RayGain::kNothing) covered_in_[targets.of_cell(ray.entry)] = round_;
+  }
+}
+
 void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, const RoadGrid& roads,
                       const Targets& targets, std::span<const std::uint8_t> ignored,
                       const std::function<bool(const Place&)>& allowed) {
@@ -83,6 +104,12 @@ void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, c
   const auto worse = [](const Candidate& a, const Candidate& b) {
     return a.score != b.score ? a.score < b.score : a.index > b.index;
   };
+  has_kept_ = false;
+  if (kept_ != nullptr) {
+    const double gain = gain_of(places.place(kept_->slot).gain, kept_->first_bearing, targets, ignored);
+    has_kept_ = gain >= config_.min_gain_cells;
+    if (has_kept_) take(places, targets, kept_->slot, {static_cast<float>(gain), kept_->first_bearing});
+  }
   const double tenth_s = roads.step_m() / 10 / config_.speed_mps;
   const auto nearness = [&](const Place& place) {
     const double s = from_robot.distance[place.road] * tenth_s;
@@ -104,20 +131,7 @@ void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, c
     if (static_cast<double>(best.gain) < config_.min_gain_cells) continue;
     const Candidate again{best.gain * nearness(place), top.index};
     const bool still_best = heap_.empty() || !worse(again, heap_.front());
-    if (still_best) {
-      View view;
-      view.slot = top.index;
-      view.road = place.road;
-      view.first_bearing = best.first_bearing;
-      view.heading_rad = std::remainder((best.first_bearing + window_ / 2.0) * kBearing_rad, 6.283185307179586);
-      view.gain_cells = best.gain;
-      views_.push_back(view);
-      for (int k = 0; k < window_ * kRaysPerBearing; ++k) {
-        const RayGain& ray =
-            place.gain[static_cast<std::size_t>((best.first_bearing * kRaysPerBearing + k) % kViewRays)];
-        if (ray.entry != RayGain::kNothing) covered_in_[targets.of_cell(ray.entry)] = round_;
-      }
-    }
+    if (still_best) take(places, targets, top.index, best);
     heap_.push_back(again);
     std::push_heap(heap_.begin(), heap_.end(), worse);
   }
@@ -160,7 +174,8 @@ double ViewTour::price(std::span<const std::uint16_t> order) const {
     weight += w;
     at = next;
   }
-  return weighted / weight + config_.length_weight * t;
+  const bool keeps = has_kept_ && order[0] == 1;
+  return weighted / weight + config_.length_weight * t - (keeps ? config_.keep_s : 0.0);
 }
 
 void ViewTour::order() {

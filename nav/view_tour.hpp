@@ -22,6 +22,7 @@ struct TourConfig {
   double stop_s = 1.0;         ///< what a stop costs beyond driving and turning
   double length_weight = 1.0;  ///< of the tour's whole time, against the mean time at which a cell is seen
   double near_s = 8.0;         ///< the smaller, the more the cover prefers near places over rich ones
+  double keep_s = 3.0;         ///< how much better another first view must be than the one that is being driven to
   int max_views = 24;
   int passes = 6;
 };
@@ -54,6 +55,9 @@ class Targets {
 class ViewTour {
  public:
   void reset(const RoadGrid& roads, const Targets& targets, const TourConfig& config, int window);
+  /// The view that is being driven to, so that it is not given up for little; none: nullptr.
+  void keep(const View* view) { kept_ = view; }
+  void set_min_gain(double cells) { config_.min_gain_cells = cells; }
 
   /// `ignored`: per target, nonzero for those that are not to be looked at. `allowed(place)`: where it may go.
   /// Returns the tour, its first view first; empty if nothing is worth a look.
@@ -86,7 +90,11 @@ class ViewTour {
   void order();
   [[nodiscard]] double price(std::span<const std::uint16_t> order) const;
 
+  void take(const Viewpoints& places, const Targets& targets, std::uint32_t slot, const Best& best);
+
   TourConfig config_;
+  const View* kept_ = nullptr;
+  bool has_kept_ = false;  ///< views_[0] is the kept one
   int window_ = 11;
   std::vector<std::uint32_t> covered_in_;  ///< per target
   std::uint32_t round_ = 0;

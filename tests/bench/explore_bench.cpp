@@ -3,7 +3,8 @@
 // planned with full knowledge. Prints a line per run and a table per plan.
 //
 //   explore_bench [--worlds a,b] [--seeds N] [--first-seed N] [--maps FILE.yaml,...] [--cache FILE] [--trace] [--lines]
-//                 [--part K/N]
+//   [--enough SHARE]
+//                 [--part K/N] [--yardsticks]
 //
 // The yardsticks' results are kept in the cache file, so that a changed explorer is measured without them.
 #include <fmt/format.h>
@@ -21,6 +22,9 @@
 #include "tests/support/flat_explore.hpp"
 #include "tests/support/offline_tour.hpp"
 
+namespace g3d::nav {
+extern double g_tune[16];
+}
 namespace {
 
 using namespace g3d;
@@ -133,6 +137,8 @@ int main(int argc, char** argv) {
   std::uint64_t first_seed = 1;
   bool trace = false;
   bool lines = false;
+  double enough = 2.0;
+  bool yardsticks_only = false;
   int part = 0;
   int parts = 1;
   nav::ExplorerConfig config;
@@ -151,8 +157,15 @@ int main(int argc, char** argv) {
       cache_path = value();
     } else if (is("--trace")) {
       trace = true;
+    } else if (is("--enough")) {
+      enough = std::stod(value());
     } else if (is("--lines")) {
       lines = true;
+    } else if (is("--yardsticks")) {
+      yardsticks_only = true;
+    } else if (is("--tune")) {
+      const auto v = split(value());
+      for (std::size_t k = 0; k < v.size(); ++k) nav::g_tune[k] = std::stod(v[k]);
     } else if (is("--part")) {
       const std::string v = value();
       part = v.empty() ? 0 : v[0] - '0';
@@ -193,9 +206,10 @@ int main(int argc, char** argv) {
         add_to_cache(cache_path, key, y);
       }
       const Yardsticks& y = cache[key];
+      if (yardsticks_only) continue;
       const auto begin = std::chrono::steady_clock::now();
       auto sim = make_sim();
-      const FlatResult r = run_explorer(*sim, 10 * std::max(y.tour.t99_s, 200.0), config, trace);
+      const FlatResult r = run_explorer(*sim, 10 * std::max(y.tour.t99_s, 200.0), config, trace, enough);
       const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       cpu_s += took_s;
       sums.add(r, y);

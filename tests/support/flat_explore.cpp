@@ -10,7 +10,7 @@
 
 namespace g3d::tests {
 
-FlatResult run_explorer(FlatSim& sim, double limit_s, const nav::ExplorerConfig& config, bool trace) {
+FlatResult run_explorer(FlatSim& sim, double limit_s, const nav::ExplorerConfig& config, bool trace, double enough) {
   FlatResult result;
   nav::Explorer explorer(config);
   FlatDriver driver(sim, false);
@@ -19,7 +19,7 @@ FlatResult run_explorer(FlatSim& sim, double limit_s, const nav::ExplorerConfig&
   double turn_left_rad = 0.0;
   nav::Decision decision;
   bool has_decision = false;
-  while (sim.time_s() < limit_s) {
+  while (sim.time_s() < limit_s && sim.coverage() < enough) {
     if (sim.time_s() >= next_decision_s) {
       const auto changed = sim.take_changed();
       decision = explorer.decide(sim.ground(), sim.cost(), changed, sim.pose(),

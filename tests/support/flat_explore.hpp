@@ -7,8 +7,8 @@
 
 namespace g3d::tests {
 
-/// Until it is home again or `limit_s` is over. `trace` prints every new goal.
+/// Until it is home again, `limit_s` is over or that share is covered. `trace` prints every new goal.
 [[nodiscard]] FlatResult run_explorer(FlatSim& sim, double limit_s, const nav::ExplorerConfig& config = {},
-                                      bool trace = false);
+                                      bool trace = false, double enough = 2.0);
 
 }  // namespace g3d::tests

@@ -219,7 +219,7 @@ void lab(Plan& p) {
 
 void warehouse(Plan& p) {
   for (double x = 2.2; x < p.width() - 2.5; x += 3.0) {
-    const double gap = p.random.uniform(6.0, p.height() - 6.0);
+    const double gap = p.random.uniform(5.0, p.height() - 5.0);
     p.fill(x, 2.2, x + 1.0, gap - 0.8);
     p.fill(x, gap + 0.8, x + 1.0, p.height() - 2.2);
   }
@@ -240,10 +240,10 @@ FlatWorld make_flat_world(std::string_view name, std::uint64_t variant) {
     double height_m;
     void (*draw)(Plan&);
   };
-  static constexpr Kind kKinds[] = {{"office", 22, 14, office}, {"corridor_loop", 24, 14, corridor_loop},
-                                    {"maze", 13, 13, maze},     {"house", 12, 10, house},
-                                    {"hall", 20, 15, hall},     {"narrow_doors", 12, 12, narrow_doors},
-                                    {"lab", 12, 10, lab},       {"warehouse", 20, 15, warehouse}};
+  static constexpr Kind kKinds[] = {{"office", 17, 11, office}, {"corridor_loop", 22, 12, corridor_loop},
+                                    {"maze", 11, 11, maze},     {"house", 12, 10, house},
+                                    {"hall", 16, 12, hall},     {"narrow_doors", 12, 12, narrow_doors},
+                                    {"lab", 12, 10, lab},       {"warehouse", 16, 13, warehouse}};
   for (const Kind& kind : kKinds) {
     if (kind.name != name) continue;
     Plan plan(kind.width_m, kind.height_m, variant * 31 + kind.name.size());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <queue>
 
+#include "nav/road_grid.hpp"
 #include "tests/support/flat_driver.hpp"
 
 namespace g3d::tests {
@@ -136,33 +137,21 @@ std::vector<View> cover(const Mask& solid, const Mask& reachable, const Mask& ob
 class Times {
  public:
   Times(const Mask& costs, const std::vector<hal::PlanarPose>& poses) : n_(poses.size()), seconds_(n_ * n_, 1e6) {
-    FlatPlanner planner;
+    nav::RoadGrid roads;
+    roads.reset(costs, kBodyRadius_m);
+    nav::TravelField field;
+    roads.size_field(field);
+    const auto road = [&](std::size_t k) { return roads.road_of(costs.cell_of(poses[k].x_m, poses[k].y_m)); };
+    const auto turn = [](double from, double to) { return std::abs(wrap_angle(to - from)); };
     for (std::size_t a = 0; a < n_; ++a) {
-      for (std::size_t b = 0; b < a; ++b) {
-        const auto path = planner.plan(costs, costs.cell_of(poses[a].x_m, poses[a].y_m),
-                                       costs.cell_of(poses[b].x_m, poses[b].y_m), false);
-        if (path.empty()) continue;
-        double length = 0;
-        for (std::size_t i = 1; i < path.size(); ++i) {
-          length += path[i].x != path[i - 1].x && path[i].y != path[i - 1].y ? 1.4142 : 1.0;
-        }
-        length *= costs.resolution_m;
-        if (path.size() < 3) {
-          const double turn = std::abs(wrap_angle(poses[a].heading_rad - poses[b].heading_rad));
-          seconds_[a * n_ + b] = seconds_[b * n_ + a] = turn;
-          continue;
-        }
-        const std::size_t ahead = std::min<std::size_t>(12, path.size() - 1);
-        const Cell& e0 = path[path.size() - 1 - ahead];
-        const double leave = std::atan2(path[ahead].y - path[0].y, path[ahead].x - path[0].x);
-        const double arrive = std::atan2(path.back().y - e0.y, path.back().x - e0.x);
-        const auto turns = [&](double from, double out, double in, double to) {
-          return std::abs(wrap_angle(out - from)) + std::abs(wrap_angle(to - in));
-        };
-        constexpr double kPi = 3.141592653589793;
-        seconds_[a * n_ + b] = length / 0.4 + turns(poses[a].heading_rad, leave, arrive, poses[b].heading_rad);
-        seconds_[b * n_ + a] =
-            length / 0.4 + turns(poses[b].heading_rad, arrive + kPi, leave + kPi, poses[a].heading_rad);
+      roads.travel(road(a), nav::TravelField::kNever - 100, field);
+      for (std::size_t b = 0; b < n_; ++b) {
+        const std::uint32_t to = road(b);
+        if (field.distance[to] == nav::TravelField::kNever) continue;
+        seconds_[a * n_ + b] = to == road(a) ? turn(poses[a].heading_rad, poses[b].heading_rad)
+                                             : field.distance[to] * roads.step_m() / 10 / 0.4 +
+                                                   turn(poses[a].heading_rad, roads.leave_heading(field, road(a), to)) +
+                                                   turn(roads.arrive_heading(field, to), poses[b].heading_rad);
       }
     }
   }
