@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/image/file_bytes.hpp"
+#include "hal/sim/map_start.hpp"
 #include "hal/sim/text_fields.hpp"
 
 namespace g3d::hal {
@@ -170,11 +171,13 @@ Result<World> make_map_world(const MapYaml& yaml, const GreyImage& image, const 
   }
   const std::vector<Cell> cells = classify(yaml, image, width, height);
   std::vector<std::uint8_t> solid(cells.size());
+  std::vector<std::uint8_t> is_free(cells.size());
   bool has_free = false;
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       const std::size_t cell =
           static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
+      is_free[cell] = cells[cell] == Cell::free ? 1 : 0;
       has_free = has_free || cells[cell] == Cell::free;
       solid[cell] =
           cells[cell] == Cell::occupied || (cells[cell] == Cell::unknown && touches_free(cells, width, height, i, j));
@@ -199,6 +202,7 @@ Result<World> make_map_world(const MapYaml& yaml, const GreyImage& image, const 
   }
   world.set_grid(GridWalls(width, height, static_cast<float>(r), {static_cast<float>(low_x), static_cast<float>(low_y)},
                            0.0F, static_cast<float>(options.wall_height_m), solid));
+  if (const auto start = widest_start(*world.grid(), is_free)) world.add_start(*start);
   return world;
 }
 

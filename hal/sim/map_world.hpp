@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Floor plans of map_server (yaml + pgm) as worlds: occupied cells become walls of one height, with a floor and, if
 // asked for, a ceiling. Unknown cells are walls where they touch free ones, so that no ray leaves the mapped building
-// through a cell that nobody has seen; elsewhere they are air.
+// through a cell that nobody has seen; elsewhere they are air. A robot starts in the middle of the widest free part.
 #pragma once
 
 #include <string>

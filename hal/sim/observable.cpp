@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kSlices = 32;  // of 5 cm from the floor upwards; what is higher hides nothing that matters
 constexpr double kSlice_m = 0.05;
+constexpr std::uint32_t kWholeColumn = ~0U;
 constexpr int kBeams = 32;  // of one column of the image
 constexpr double kAzimuthStep_deg = 0.5;
 constexpr double kGrazing = 0.08;  // slope below which a level surface gives no reading (kinect_noise.hpp)
@@ -195,10 +196,11 @@ class Sightings {
         if (matter.opaque == 0) {
           if (step.in_range && (open & step.in_band) != 0) count(index);
         } else {
-          const std::uint32_t met = open & beams_that_meet(step, matter.opaque);
+          const std::uint32_t met = matter.opaque == kWholeColumn ? open : open & beams_that_meet(step, matter.opaque);
           if (step.in_range && is_wall(matter) && (met & step.in_band) != 0) {
             // A beam that met nothing at this height one cell before comes from above: on to a table, not to its edge.
-            const std::uint32_t from_above = grazing_ & beams_that_meet(step, matter.opaque & opaque_before);
+            const std::uint32_t from_above =
+                opaque_before == 0 ? 0 : grazing_ & beams_that_meet(step, matter.opaque & opaque_before);
             const std::uint32_t black = matter.dark == 0 ? 0 : beams_that_meet(step, matter.dark);
             if ((met & step.in_band & ~from_above & ~black) != 0) count(index);
           } else if (step.in_range && is_free(matter) && (open & ~met & step.in_band) != 0) {
