@@ -16,6 +16,7 @@ constexpr double kRadPerCdeg = kPi / 18'000.0;
 constexpr TimeNs kStale_ns = 100'000'000;
 constexpr TimeNs kMs_ns = 1'000'000;
 constexpr int kStampWrap_ms = 65'536;
+constexpr int kLongestGap_ms = 2'000;
 /// After this long without a tick the base rests, and has stopped swaying; a gyro drifts by less than this much.
 constexpr int kRest_ms = 1'000;
 constexpr int kDrift_cdegps = 100;
@@ -68,9 +69,11 @@ std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback)
       ++counts_.restarts;
       return std::nullopt;
     }
+    ++counts_.gaps;
     if (went_back) step.elapsed_ms = static_cast<int>(std::max<std::int64_t>(waited_ms, 20));
   }
-  const int max_ticks = max_ticks_in(step.elapsed_ms);
+  // Encoders wrap within 2.7 s of full speed: after longer gaps only a short way can be told from a wrapped one.
+  const int max_ticks = max_ticks_in(std::min(step.elapsed_ms, kLongestGap_ms));
   if (std::abs(step.left_ticks) > max_ticks || std::abs(step.right_ticks) > max_ticks ||
       std::abs(step.turn_cdeg) > max_angle_in_cdeg(step.elapsed_ms)) {
     ++counts_.out_of_gates;

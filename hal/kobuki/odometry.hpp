@@ -21,6 +21,7 @@ struct OdometryCounts {
   std::uint64_t steps = 0;
   std::uint64_t duplicates = 0;    ///< same stamp as before
   std::uint64_t restarts = 0;      ///< another session of the base: a new reference
+  std::uint64_t gaps = 0;          ///< more than 200 ms without a packet, in which the base went on
   std::uint64_t out_of_gates = 0;  ///< further than a base can get in that time: a new reference
 };
 
@@ -29,7 +30,7 @@ class Odometry {
  public:
   explicit Odometry(const PlanarPose& T_world_base = {}) : T_world_base_(T_world_base) {}
   /// Packets in the order they came. The first is the reference. After a gap in which the base went on, the way is
-  /// taken for one arc.
+  /// taken for one arc; more than 2 m are not believed, whatever the gap.
   void update(const Feedback& feedback);
   [[nodiscard]] const PlanarPose& T_world_base() const { return T_world_base_; }
   /// Over the last step; zero once the base's stamps have stood still for 100 ms.

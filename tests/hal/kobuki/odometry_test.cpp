@@ -107,7 +107,7 @@ TEST_CASE("a repeated stamp moves nothing, and soon the base stands") {
 TEST_CASE("a gap in which the base went on is one arc") {
   Drive drive;
   for (int i = 0; i < 10; ++i) drive.step(100, 100);
-  for (int gap_packets : {5, 20, 200}) {
+  for (int gap_packets : {5, 20, 130}) {
     const double before_m = drive.odometry.T_world_base().x_m;
     const std::uint64_t restarts = drive.odometry.counts().restarts;
     for (int i = 1; i < gap_packets; ++i) {
@@ -119,6 +119,23 @@ TEST_CASE("a gap in which the base went on is one arc") {
     CAPTURE(gap_packets);
     CHECK(drive.odometry.T_world_base().x_m == Approx(before_m + 100 * gap_packets * kMetresPerTick));
     CHECK(drive.odometry.counts().restarts == restarts);
+  }
+  CHECK(drive.odometry.counts().gaps == 2);
+}
+
+TEST_CASE("a way that may have wrapped in a long gap is not believed, a short one is") {
+  for (const int ticks : {0, 10, -10, 30}) {
+    Drive drive;
+    for (int i = 1; i < 1000; ++i) {
+      const TimeNs received_ns = drive.last.received_ns + kPacketPeriod_ns;
+      drive.last = packet_after(drive.last, ticks, ticks);
+      drive.last.received_ns = received_ns;
+    }
+    drive.step(ticks, ticks);
+    CAPTURE(ticks);
+    const bool is_believed = std::abs(ticks) < 30;
+    CHECK(drive.odometry.T_world_base().x_m == Approx(is_believed ? 1000 * ticks * kMetresPerTick : 0.0));
+    CHECK(drive.odometry.counts().out_of_gates == (is_believed ? 0 : 1));
   }
 }
 
