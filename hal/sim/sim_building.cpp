@@ -58,6 +58,7 @@ SimBuilding::Robot::Robot(const FloorContact& floor, const std::shared_ptr<const
       memory(*world, renderer_options.camera) {
   record.closest_clearance_m = FloorContact::kReach_m - robot.body.radius_m;
   record.events.reserve(RobotRecord::kMostEvents);
+  glance.places_m.reserve(world->movers().size());
 }
 
 SimBuilding::SimBuilding(World world, const SimBuildingOptions& options)
@@ -157,11 +158,21 @@ Pose SimBuilding::T_world_camera(std::size_t robot) const {
   return compose(pose_on_floor(T_world_base(robot)), robots_[robot]->options.T_base_camera);
 }
 
-void SimBuilding::render(std::size_t robot, Frame& out) {
+void SimBuilding::glance(std::size_t robot, Glance& out) {
+  out.time_ns = now_ns_;
+  out.T_world_camera = T_world_camera(robot);
+  out.places_m.assign(places_m_.begin(), places_m_.end());
+  robots_[robot]->memory.add(now_ns_, out.T_world_camera, places_m_);
+}
+
+void SimBuilding::render(std::size_t robot, const Glance& glance, Frame& out) {
   Robot& r = *robots_[robot];
-  const Pose T_world_camera_now = T_world_camera(robot);
-  r.memory.add(now_ns_, T_world_camera_now, places_m_);
-  r.renderer.render(T_world_camera_now, now_ns_, r.next_frame++, places_m_, r.mover, out);
+  r.renderer.render(glance.T_world_camera, glance.time_ns, r.next_frame++, glance.places_m, r.mover, out);
+}
+
+void SimBuilding::render(std::size_t robot, Frame& out) {
+  glance(robot, robots_[robot]->glance);
+  render(robot, robots_[robot]->glance, out);
 }
 
 }  // namespace g3d::hal

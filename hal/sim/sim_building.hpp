@@ -87,6 +87,16 @@ class SimBuilding {
   /// Somebody carries it there.
   void place(std::size_t robot, const PlanarPose& T_world_base);
 
+  /// All that an image depends on, so that it can be drawn while the building goes on.
+  struct Glance {
+    TimeNs time_ns = 0;
+    Pose T_world_camera;
+    std::vector<std::array<float, 2>> places_m;
+  };
+  /// One frame is taken now. Allocates only if `out` has never been used.
+  void glance(std::size_t robot, Glance& out);
+  /// Draws it. May run while another thread calls anything but this for the same robot.
+  void render(std::size_t robot, const Glance& glance, Frame& out);
   /// What a robot's camera sees now; frames are numbered per robot. `out` has storage for the camera. Allocates
   /// nothing.
   void render(std::size_t robot, Frame& out);
@@ -108,6 +118,7 @@ class SimBuilding {
     SimRenderer renderer;
     CameraMemory memory;
     std::uint64_t next_frame = 0;
+    Glance glance;
     bool in_contact = false;
     std::uint8_t cliff_before = 0;
     std::uint8_t drop_before = 0;

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/sim/real_time_building.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace g3d::hal {
+
+Result<std::unique_ptr<RealTimeBuilding>> RealTimeBuilding::start(World world, const SimBuildingOptions& options,
+                                                                  Clock& clock, const std::vector<std::string>& links) {
+  std::vector<PtyKobuki> ptys;
+  ptys.reserve(options.robots.size());
+  for (std::size_t i = 0; i < options.robots.size(); ++i) {
+    auto pty = PtyKobuki::open(i < links.size() ? links[i] : std::string{});
+    if (!pty) return pty.error();
+    ptys.push_back(std::move(pty).value());
+  }
+  return std::unique_ptr<RealTimeBuilding>(new RealTimeBuilding(std::move(world), options, clock, std::move(ptys)));
+}
+
+RealTimeBuilding::RealTimeBuilding(World world, const SimBuildingOptions& options, Clock& clock,
+                                   std::vector<PtyKobuki> ptys)
+    : clock_(clock),
+      begin_ns_(clock.now()),
+      period_ns_(options.step_ns),
+      building_(std::move(world), options),
+      ptys_(std::move(ptys)),
+      thread_([this] { run(); }) {}
+
+RealTimeBuilding::~RealTimeBuilding() {
+  stop_.store(true, std::memory_order_release);
+  thread_.join();
+}
+
+void RealTimeBuilding::run() {
+  for (TimeNs due_ns = begin_ns_; !stop_.load(std::memory_order_acquire); due_ns += period_ns_) {
+    clock_.sleep_until(due_ns);
+    const TimeNs late_ns = clock_.now() - due_ns;
+    if (late_ns > latest_step_ns_.load(std::memory_order_relaxed)) {
+      latest_step_ns_.store(late_ns, std::memory_order_relaxed);
+    }
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
+    building_.advance_to(due_ns - begin_ns_);
+    for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
+  }
+}
+
+std::string RealTimeBuilding::path(std::size_t robot) {
+  return with(robot, [](SimBuilding&, const PtyKobuki& pty) { return pty.path(); });
+}
+
+RealTimeBuilding::Camera::Camera(RealTimeBuilding& building, std::size_t robot, double rate_hz)
+    : building_(building),
+      robot_(robot),
+      model_(building.building_.camera()),
+      period_ns_(static_cast<TimeNs>(1e9 / rate_hz)) {}
+
+CameraRead RealTimeBuilding::Camera::read(Frame& out) {
+  for (;;) {
+    if (stopped_.load(std::memory_order_acquire)) return {CameraEvent::end, {}};
+    ++next_;
+    // Whoever comes too late for a frame gets the next one, as with a real camera.
+    const TimeNs now_ns = building_.clock_.now() - building_.begin_ns_;
+    next_ = std::max(next_, static_cast<std::uint64_t>(std::max<TimeNs>(now_ns, 0) / period_ns_));
+    building_.clock_.sleep_until(building_.begin_ns_ + static_cast<TimeNs>(next_) * period_ns_);
+    const bool has_power = building_.with(robot_, [&](SimBuilding& building, const PtyKobuki&) {
+      if (!building.kobuki(robot_).kinect_has_power()) return false;
+      building.glance(robot_, glance_);
+      return true;
+    });
+    if (!has_power) continue;
+    building_.building_.render(robot_, glance_, out);
+    out.stamp_ns += building_.begin_ns_;
+    out.sequence = next_;
+    return {CameraEvent::frame, {}};
+  }
+}
+
+}  // namespace g3d::hal
