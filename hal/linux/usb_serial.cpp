@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -77,7 +78,7 @@ bool fits(const UsbSerialDevice& device, const UsbSerialMatch& match) {
 std::string list(const std::vector<UsbSerialDevice>& devices) {
   std::string text;
   for (const UsbSerialDevice& d : devices) {
-    text += (text.empty() ? "" : ", ") + d.path + " (product \"" + d.product + "\", serial \"" + d.serial + "\")";
+    text += fmt::format("{}{} (product \"{}\", serial \"{}\")", text.empty() ? "" : ", ", d.path, d.product, d.serial);
   }
   return text.empty() ? "none" : text;
 }
@@ -101,13 +102,15 @@ Result<UsbSerialDevice> find_usb_serial(const UsbSerialMatch& match, const std::
     if (fits(*device, match)) fitting.push_back(*device);
   }
   if (fitting.size() == 1) return fitting.front();
-  const std::string wanted = "product \"" + match.product + "\" or serial \"" + match.serial_prefix + "...\"";
+  const std::string wanted = fmt::format("product \"{}\" or serial \"{}...\"", match.product, match.serial_prefix);
   if (fitting.empty()) {
-    return Error{Reason::not_found, folder + ": no USB serial port with " + wanted + "; there are: " + list(seen) +
-                                        "; plug the base in and switch it on, or name its port in the board file"};
+    return Error{Reason::not_found, fmt::format("{}: no USB serial port with {}; there are: {}; plug the base in and "
+                                                "switch it on, or name its port in the board file",
+                                                folder, wanted, list(seen))};
   }
-  return Error{Reason::bad_usage, folder + ": several ports fit " + wanted + ": " + list(fitting) +
-                                      "; give the whole serial string of the right one"};
+  return Error{Reason::bad_usage,
+               fmt::format("{}: several ports fit {}: {}; give the whole serial string of the right one", folder,
+                           wanted, list(fitting))};
 }
 
 }  // namespace g3d::hal
