@@ -320,4 +320,41 @@ TEST_CASE("two changed bytes that cancel in the checksum clear no flag, and thei
   CHECK(slipped > 1000);  // else this would prove nothing
 }
 
+TEST_CASE("ten minutes on a bad line: flags hold, and the way is that of a good line") {
+  std::uint32_t seed = 5;
+  const auto random = [&seed](std::uint32_t below) {
+    seed = seed * 1664525U + 1013904223U;
+    return static_cast<std::uint32_t>(std::uint64_t{seed} * below >> 32);
+  };
+  PacketReader reader;
+  Odometry odometry, truth;
+  Feedback packet = first_packet();
+  std::size_t came = 0;
+  for (int i = 0; i < 30'000; ++i) {
+    packet.bumper = 2;
+    packet.received_ns = i * kPacketPeriod_ns;
+    truth.update(packet);
+    Bytes frame = frame_of(packet);
+    for (std::size_t at = 0; at < frame.size(); ++at) {
+      if (random(400) != 0 || i == 29'999) continue;
+      const std::uint32_t kind = random(3);
+      const auto place = frame.begin() + static_cast<std::ptrdiff_t>(at);
+      if (kind == 0) *place = static_cast<std::uint8_t>(random(256));
+      if (kind == 1) frame.erase(place);
+      if (kind == 2) frame.insert(place, static_cast<std::uint8_t>(random(256)));
+    }
+    reader.feed(frame, packet.received_ns, [&](const Feedback& feedback) {
+      ++came;
+      odometry.update(feedback);
+      if (feedback.bumper != 2) FAIL_CHECK("the flag was cleared in packet " << i);
+    });
+    packet = packet_after(packet, 30 + i / 500 % 2 * 20, 50 - i / 500 % 2 * 20);
+  }
+  CHECK(came > 20'000);
+  CHECK(came < 29'000);
+  CHECK(reader.rejects()[Reject::bad_checksum] > 100);
+  CHECK(distance_m(odometry, truth) < 0.02);
+  CHECK(odometry.T_world_base().heading_rad == Approx(truth.T_world_base().heading_rad).margin(1e-9));
+}
+
 }  // namespace
