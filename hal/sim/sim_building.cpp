@@ -48,6 +48,20 @@ Pose pose_on_floor(const PlanarPose& T_world_base) {
   return {{T_world_base.x_m, T_world_base.y_m, 0.0}, {0.0, 0.0, half.sin, half.cos}};
 }
 
+void add_drift(SimRobotOptions& robot, double scale, std::uint64_t seed) {
+  constexpr double kDegPerMinute_radps = std::numbers::pi / 180.0 / 60.0;
+  SeededRandom random(seed);
+  robot.base.gyro_bias_radps += scale * kDegPerMinute_radps * random.gaussian();
+  robot.base.gyro_drift_radps_per_sqrt_s += scale * 1e-5;
+  robot.base.gyro_noise_radps += scale * 1e-3;
+  robot.base.gyro_scale *= 1.0 + scale * 0.005 * random.gaussian();
+  robot.base.left_scale *= 1.0 + scale * 0.003 * random.gaussian();
+  robot.base.right_scale *= 1.0 + scale * 0.003 * random.gaussian();
+  robot.base.seed = random.bits() >> 8;
+  robot.body.slip += scale * 0.01;
+  robot.body.seed = random.bits() >> 8;
+}
+
 SimBuilding::Robot::Robot(const FloorContact& floor, const std::shared_ptr<const World>& world, std::int32_t own_mover,
                           const SimRobotOptions& robot, const SimRendererOptions& renderer_options)
     : options(robot),

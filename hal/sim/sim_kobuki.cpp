@@ -147,13 +147,19 @@ void SimKobuki::send_packet(TimeNs at_ns) {
   fill_motors(f, at_ns);
   reported_ = sensed_;
   if (faults_.silent || faults_.unplugged) return;
-
-  std::array<std::uint8_t, kobuki::kMaxFrame_bytes> bytes;
-  const std::size_t size_bytes = kobuki::encode_feedback(packet_, bytes);
-  packet_.info = {};
-  packet_.gains.reset();
+  if (faults_.keep_every > 1 && packet_number_ % static_cast<std::uint64_t>(faults_.keep_every) != 0) return;
+  if (faults_.scrambled) {
+    f.left_encoder_ticks = static_cast<std::uint16_t>(random_.bits());
+    f.right_encoder_ticks = static_cast<std::uint16_t>(random_.bits());
+    f.gyro_angle_cdeg = static_cast<std::int16_t>(static_cast<int>(random_.bits() % 36000) - 17999);
+  }
+  if (!faults_.stuck || frame_bytes_ == 0) {
+    frame_bytes_ = kobuki::encode_feedback(packet_, frame_);
+    packet_.info = {};
+    packet_.gains.reset();
+  }
   ++packets_sent_;
-  if (!to_host_.push(std::span(bytes).first(size_bytes), at_ns)) ++packets_dropped_;
+  if (!to_host_.push(std::span(frame_).first(frame_bytes_), at_ns)) ++packets_dropped_;
 }
 
 void SimKobuki::fill_gyro(Feedback& f) {

@@ -56,6 +56,9 @@ struct KobukiFaults {
   bool deaf = false;       ///< packets come, no command arrives
   bool left_dead = false;  ///< this encoder counts no longer
   bool right_dead = false;
+  bool stuck = false;      ///< the same packet over and over
+  bool scrambled = false;  ///< whole packets with encoders and gyro angle of chance
+  int keep_every = 1;      ///< of the packets, only every so many-th is sent
   std::uint8_t buttons = 0;
   std::uint8_t charger = 0;
   bool operator==(const KobukiFaults&) const = default;
@@ -129,6 +132,8 @@ class SimKobuki final : public ByteLine {
   double gyro_bias_radps_ = 0.0;
   std::uint8_t gyro_frame_ = 0;
   TimeNs stalled_since_ns_ = -1;
+  std::array<std::uint8_t, kobuki::kMaxFrame_bytes> frame_{};  ///< sent last
+  std::size_t frame_bytes_ = 0;
   std::uint64_t packets_sent_ = 0;
   std::uint64_t packets_dropped_ = 0;
   std::uint64_t drive_commands_ = 0;

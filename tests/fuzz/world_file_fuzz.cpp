@@ -20,6 +20,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (!std::isfinite(solid.centre_m[k]) || !(solid.half_m[k] > 0.0F)) std::abort();
     }
   }
+  if (world.value().starts().size() > kMaxStarts) std::abort();
+  for (const PlanarPose& start : world.value().starts()) {
+    if (!(std::abs(start.x_m) <= kMaxCoordinate_m) || !(std::abs(start.heading_rad) < 3.15)) std::abort();
+  }
   const RayHit hit = cast_ray(world.value(), 1'000'000'000, {0.1, 0.2, 0.3}, {1.0, 0.5, 0.25});
   if (std::isnan(hit.t) || hit.t < 0.0) std::abort();
   return 0;

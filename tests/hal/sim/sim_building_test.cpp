@@ -176,6 +176,24 @@ TEST_CASE("a robot that drives over an edge hangs there and it is counted") {
   CHECK(building.body(0).sense().wheel_drop == 0);
 }
 
+TEST_CASE("drift comes by its scale and seed") {
+  SimRobotOptions exact;
+  add_drift(exact, 0.0, 3);
+  CHECK(exact.base.gyro_bias_radps == 0.0);
+  CHECK(exact.base.left_scale == 1.0);
+  CHECK(exact.body.slip == 0.0);
+  SimRobotOptions a;
+  SimRobotOptions b;
+  SimRobotOptions c;
+  add_drift(a, 1.0, 3);
+  add_drift(b, 1.0, 3);
+  add_drift(c, 1.0, 4);
+  CHECK(a.base.gyro_bias_radps == b.base.gyro_bias_radps);
+  CHECK(a.base.gyro_bias_radps != c.base.gyro_bias_radps);
+  CHECK(std::abs(a.base.left_scale - 1.0) < 0.02);
+  CHECK(a.base.left_scale != a.base.right_scale);
+}
+
 TEST_CASE("the scaled Kinect shows what the whole one shows") {
   const CameraModel small = scaled_kinect(160, 120);
   const CameraModel full = scaled_kinect(640, 480);

@@ -15,6 +15,12 @@ namespace {
 
 constexpr TimeNs kMs = 1'000'000;
 
+KobukiFaults with(bool KobukiFaults::*fault) {
+  KobukiFaults faults;
+  faults.*fault = true;
+  return faults;
+}
+
 /// A base with its body in an endless hall, and a host that reads what it says.
 struct Bench {
   explicit Bench(const SimKobukiOptions& options = {}, const char* text = "floor 0 0 0 200 200 0.1\n")
@@ -178,27 +184,52 @@ TEST_CASE("faults: silent, deaf, unplugged, dead encoder") {
   bench.drive(0.2, 0);
   bench.run(1000);
   const std::size_t before = bench.got.size();
-  bench.base.set_faults({.silent = true});
+  bench.base.set_faults(with(&KobukiFaults::silent));
   bench.run(1000);
   CHECK(bench.got.size() == before);
   bench.drive(0.1, 0);
-  bench.base.set_faults({.deaf = true});
+  bench.base.set_faults(with(&KobukiFaults::deaf));
   bench.run(1000);
   CHECK(bench.got.size() == before + 49);  // after a silence one packet becomes the new reference
   bench.drive(0.0, 0);
   bench.run(1000);
   CHECK(bench.base.drive().speed_mmps == 100);
-  bench.base.set_faults({.unplugged = true});
+  bench.base.set_faults(with(&KobukiFaults::unplugged));
   CHECK(bench.base.state() == LineState::lost);
   CHECK_FALSE(bench.base.write(std::array<std::uint8_t, 1>{0}));
   bench.run(100);
-  bench.base.set_faults({.left_dead = true});
+  bench.base.set_faults(with(&KobukiFaults::left_dead));
   CHECK(bench.base.state() == LineState::up);
   bench.run(1000);
   const std::size_t last = bench.got.size() - 1;
   CHECK(bench.got[last].left_encoder_ticks == bench.got[last - 40].left_encoder_ticks);
   CHECK(bench.got[last].right_encoder_ticks != bench.got[last - 40].right_encoder_ticks);
   CHECK(bench.got[last].left_pwm != 0);
+}
+
+TEST_CASE("faults: stuck, slow and scrambled packets") {
+  Bench bench;
+  bench.drive(0.2, 0);
+  bench.run(1000);
+  const std::uint64_t sent = bench.base.packets_sent();
+  KobukiFaults faults;
+  faults.stuck = true;
+  bench.base.set_faults(faults);
+  const std::size_t before = bench.got.size();
+  bench.run(1000);
+  CHECK(bench.base.packets_sent() == sent + 50);
+  CHECK(bench.got.size() <= before + 1);  // a base that repeats itself is a silent base
+  faults = {};
+  faults.keep_every = 5;
+  bench.base.set_faults(faults);
+  bench.run(2000);
+  CHECK(bench.base.packets_sent() == sent + 70);
+  faults = {};
+  faults.scrambled = true;
+  bench.base.set_faults(faults);
+  const std::uint64_t rejected = bench.reader.rejects().total();
+  bench.run(1000);
+  CHECK(bench.reader.rejects().total() > rejected + 40);
 }
 
 TEST_CASE("a noisy, late line loses packets but the base goes on") {
