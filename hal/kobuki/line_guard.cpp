@@ -114,7 +114,7 @@ void become_independent() {
 
 }  // namespace
 
-void LineGuard::watch(int line_fd, int socket, Shared& shared, const Times& times) {
+void LineGuard::watch(int line_fd, int socket, pid_t parent, Shared& shared, const Times& times) {
   become_independent();
   keep_only(line_fd, socket);
   const RealClock clock;
@@ -127,19 +127,23 @@ void LineGuard::watch(int line_fd, int socket, Shared& shared, const Times& time
     const TimeNs wait_ns = main == Main::beating ? times.period_ns / 2 : next_zero_ns - clock.now();
     (void)::poll(polled.data(), polled.size(), static_cast<int>(std::clamp<TimeNs>((wait_ns + kMs - 1) / kMs, 0, 100)));
 
+    char word = ' ';
     if (polled[0].revents != 0) {
       int fd = -1;
-      const char word = receive_word(socket, fd);
+      word = receive_word(socket, fd);
       if (word == kNewLine && fd >= 0) {
         if (line_fd >= 0) ::close(line_fd);
         line_fd = fd;
-      } else if (word != ' ') {
-        main = word == kGoodEnd ? Main::gone_well : Main::dead;
-        ::close(std::exchange(socket, -1));
-        // What the dead process still had under way is older than what we have to say.
-        if (main == Main::dead && line_fd >= 0) (void)::tcflush(line_fd, TCOFLUSH);
-        next_zero_ns = 0;
       }
+    }
+    // Another child of the main process may hold the far end of the socket: then its death is silent there.
+    if (socket >= 0 && word == ' ' && ::getppid() != parent) word = 0;
+    if (word == 0 || word == kGoodEnd) {
+      main = word == kGoodEnd ? Main::gone_well : Main::dead;
+      ::close(std::exchange(socket, -1));
+      // What the dead process still had under way is older than what we have to say.
+      if (main == Main::dead && line_fd >= 0) (void)::tcflush(line_fd, TCOFLUSH);
+      next_zero_ns = 0;
     }
     if (line_fd >= 0 && (polled[1].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0 && polled[1].fd == line_fd) {
       ::close(std::exchange(line_fd, -1));  // unplugged; kept open it would block the port's name
@@ -178,8 +182,9 @@ Result<LineGuard> LineGuard::start(int line_fd, Times times) {
   sigset_t all, before;
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t parent = ::getpid();
   const pid_t process = ::fork();
-  if (process == 0) watch(line_fd, sockets[1], *shared, times);
+  if (process == 0) watch(line_fd, sockets[1], parent, *shared, times);
   const int fork_errno = errno;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   errno = fork_errno;

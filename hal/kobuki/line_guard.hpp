@@ -59,7 +59,7 @@ class LineGuard {
   pid_t process_ = -1;
   int socket_ = -1;
   Shared* shared_ = nullptr;
-  [[noreturn]] static void watch(int line_fd, int socket, Shared& shared, const Times& times);
+  [[noreturn]] static void watch(int line_fd, int socket, pid_t parent, Shared& shared, const Times& times);
 };
 
 }  // namespace g3d::hal::kobuki

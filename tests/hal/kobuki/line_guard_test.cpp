@@ -243,6 +243,31 @@ TEST_CASE("A guard that was killed is noticed", "[threads]") {
   ::close(fd);
 }
 
+TEST_CASE("Killed while another child of the process lives on: the guard sees it all the same", "[threads]") {
+  const PtyPair pty;
+  CommandTap tap(pty.fd());
+  std::array<int, 2> pipe_fds{};
+  REQUIRE(::pipe(pipe_fds.data()) == 0);
+  const pid_t driver = fork_driver(pty, 40, [&] {
+    const pid_t other = ::fork();  // holds all that the driver has open
+    if (other == 0) {
+      pause_ms(4'000);
+      ::_exit(0);
+    }
+    (void)!::write(pipe_fds[1], &other, sizeof other);
+    for (;;) pause_ms(1'000);
+  });
+  pid_t other = -1;
+  REQUIRE(::read(pipe_fds[0], &other, sizeof other) == sizeof other);
+  end_process(driver);
+  CHECK(tap.wait_for_zero(500 * kMs) != 0);
+  const auto rest = tap.listen(2'000 * kMs);
+  CHECK(count_zeros(rest) >= 49);
+  CHECK(tap.listen(200 * kMs).empty());  // and gone
+  signal_process(other, SIGKILL);
+  for (const int fd : pipe_fds) ::close(fd);
+}
+
 TEST_CASE("The guard keeps none of the other descriptors", "[threads]") {
   const PtyPair pty;
   const int fd = open_port(pty);
