@@ -18,9 +18,10 @@ extern double g_tune[16];
 namespace {
 
 constexpr TimeNs kReplanPeriod_ns = 1'000'000'000;
-constexpr double kDropShare = 0.2;  ///< a goal that promises less than this of what it did is dropped
 constexpr double kTurnAround_rad = 6.283185307179586;
 constexpr double kSamePlace_m = 0.3;
+constexpr double kPatience_s = 30.0;
+constexpr double kPatienceFactor = 4.0;
 
 }  // namespace
 
@@ -31,6 +32,7 @@ struct Explorer::State {
     bool active = false;
     Cell cell;
     View view;
+    TimeNs deadline = 0;  ///< whoever drives should have said something by then
   };
   enum class Stage : std::uint8_t { start, looking_around, exploring, going_home, at_home };
 
@@ -127,7 +129,7 @@ bool Explorer::State::in_area(double x_m, double y_m) const {
 bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   camera->look(ground, goal.cell, panorama);
   const double gain = tour.gain_of(panorama, goal.view.first_bearing, targets, aside.ignored());
-  return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
+  return gain >= std::max(min_gain_cells, g_tune[11] * static_cast<double>(goal.view.gain_cells));
 }
 
 /// It stood there and looked: what it was promised to see and did not, it will not see from there.
@@ -245,6 +247,7 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   }
 
   s.aside.expire(now);
+  if (s.goal.active && !s.reached && now > s.goal.deadline) s.failed = true;
   if (s.goal.active && s.reached) s.note_fruitless(ground, now);
   if (s.goal.active && s.failed) s.note_blocked(ground, now);
   if (s.reached || s.failed) s.goal.active = false;
@@ -278,7 +281,8 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   const bool same = s.goal.active && s.goal.cell == place.cell &&
                     std::abs(std::remainder(first.heading_rad - s.goal.view.heading_rad, kTurnAround_rad)) < 0.3;
   if (same && pays) return s.goal_decision(ground, false);
-  s.goal = {true, place.cell, first};
+  const double way_s = s.from_robot.distance[place.road] * s.roads.step_m() / 10 / s.config.speed_mps;
+  s.goal = {true, place.cell, first, now + static_cast<TimeNs>((kPatience_s + kPatienceFactor * way_s) * 1e9)};
   return s.goal_decision(ground, true);
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace g3d::nav {
-double g_tune[16] = {0.3, 8.0, 3.0, 150, 0.8, 300, 1.0, 6, 24, 40};
+double g_tune[16] = {0.3, 8.0, 3.0, 150, 0.8, 300, 1.0, 6, 24, 40, 1.0, 0.2, 0.6};
 namespace {
 
 double turn_between(double a, double b) { return std::abs(std::remainder(a - b, 6.283185307179586)); }
@@ -231,6 +231,85 @@ void ViewTour::order() {
   }
 }
 
+/// The first view may stand elsewhere and look elsewhere if that saves more time, on the way to the second one too,
+/// than what it shows less is worth. Seconds and cells are compared at the rate of the tour.
+void ViewTour::refine_first(const Viewpoints& places, RoadGrid& roads, const TravelField& from_robot,
+                            const hal::PlanarPose& robot, const Targets& targets, std::span<const std::uint8_t> ignored,
+                            const std::function<bool(const Place&)>& allowed) {
+  double cells = 0;
+  double seconds = 0;
+  const std::size_t n = views_.size() + 1;
+  std::size_t at = 0;
+  for (const std::uint16_t k : order_) {
+    seconds += static_cast<double>(seconds_[at * n + k]);
+    cells += static_cast<double>(views_[k - 1U].gain_cells);
+    at = k;
+  }
+  const double worth_s = g_tune[10] * seconds / cells;
+  const bool has_second = tour_.size() > 1;
+  const View second = has_second ? tour_[1] : View{};
+  if (has_second) roads.travel(second.road, TravelField::kNever - 100, field_);
+  // Its task: the targets that it was chosen for.
+  ++round_;
+  const View first = tour_.front();
+  double task = 0;
+  for (int k = 0; k < window_ * kRaysPerBearing; ++k) {
+    const RayGain& ray = places.place(first.slot)
+                             .gain[static_cast<std::size_t>((first.first_bearing * kRaysPerBearing + k) % kViewRays)];
+    if (ray.entry == RayGain::kNothing || ignored[targets.of_cell(ray.entry)] != 0) continue;
+    covered_in_[targets.of_cell(ray.entry)] = round_;
+    task += static_cast<double>(ray.cells);
+  }
+  const std::uint32_t start = from_robot.reached.front();
+  const double tenth_s = roads.step_m() / 10 / config_.speed_mps;
+  constexpr double kPi = 3.141592653589793;
+  double best = -1e18;
+  for (const std::uint32_t slot : places.useful()) {
+    const Place& place = places.place(slot);
+    const double drive_s = from_robot.distance[place.road] * tenth_s;
+    if (static_cast<double>(place.total_cells) < config_.min_gain_cells) continue;
+    if (static_cast<double>(place.total_cells) * worth_s - drive_s < best || !allowed(place)) continue;
+    std::array<double, kBearings> show{};
+    for (std::size_t ray = 0; ray < kViewRays; ++ray) {
+      const RayGain& gain = place.gain[ray];
+      if (gain.entry == RayGain::kNothing || covered_in_[targets.of_cell(gain.entry)] != round_) continue;
+      show[ray / kRaysPerBearing] += static_cast<double>(gain.cells);
+    }
+    double arrive = robot.heading_rad;
+    double turn_in = 0;
+    if (place.road != start) {
+      arrive = roads.arrive_heading(from_robot, place.road);
+      turn_in = turn_between(roads.leave_heading(from_robot, start, place.road), robot.heading_rad);
+    }
+    double on_s = 0;
+    double leave = 0;
+    const bool moves_on = has_second && place.road != second.road && field_.distance[place.road] != TravelField::kNever;
+    if (moves_on) {
+      leave = roads.arrive_heading(field_, place.road) + kPi;
+      const double reach = roads.leave_heading(field_, second.road, place.road) + kPi;
+      on_s = field_.distance[place.road] * tenth_s + turn_between(reach, second.heading_rad) / config_.turn_radps;
+    }
+    for (int b = 0; b < kBearings; ++b) {
+      double gain = 0;
+      for (int k = 0; k < window_; ++k) gain += show[static_cast<std::size_t>((b + k) % kBearings)];
+      if (gain < g_tune[12] * task) continue;
+      const double heading = (b + window_ / 2.0) * kBearing_rad;
+      double turns = turn_in + turn_between(heading, arrive);
+      if (moves_on) turns += turn_between(leave, heading);
+      if (has_second && place.road == second.road) turns += turn_between(second.heading_rad, heading);
+      const double value = gain * worth_s - drive_s - on_s - turns / config_.turn_radps;
+      if (value <= best) continue;
+      best = value;
+      View& v = tour_.front();
+      v.slot = slot;
+      v.road = place.road;
+      v.first_bearing = b;
+      v.heading_rad = std::remainder(heading, 2 * kPi);
+      v.gain_cells = static_cast<float>(gain);
+    }
+  }
+}
+
 std::span<const View> ViewTour::plan(const Viewpoints& places, RoadGrid& roads, const TravelField& from_robot,
                                      const hal::PlanarPose& robot, const Targets& targets,
                                      std::span<const std::uint8_t> ignored,
@@ -241,6 +320,8 @@ std::span<const View> ViewTour::plan(const Viewpoints& places, RoadGrid& roads, 
   measure(roads, from_robot, robot);
   order();
   for (const std::uint16_t k : order_) tour_.push_back(views_[k - 1U]);
+  const bool keeps = has_kept_ && order_[0] == 1;
+  if (g_tune[10] > 0 && !keeps) refine_first(places, roads, from_robot, robot, targets, ignored, allowed);
   return tour_;
 }
 

@@ -88,6 +88,9 @@ class ViewTour {
               std::span<const std::uint8_t> ignored, const std::function<bool(const Place&)>& allowed);
   void measure(RoadGrid& roads, const TravelField& from_robot, const hal::PlanarPose& robot);
   void order();
+  void refine_first(const Viewpoints& places, RoadGrid& roads, const TravelField& from_robot,
+                    const hal::PlanarPose& robot, const Targets& targets, std::span<const std::uint8_t> ignored,
+                    const std::function<bool(const Place&)>& allowed);
   [[nodiscard]] double price(std::span<const std::uint16_t> order) const;
 
   void take(const Viewpoints& places, const Targets& targets, std::uint32_t slot, const Best& best);

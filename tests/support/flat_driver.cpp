@@ -90,6 +90,8 @@ void FlatDriver::set_goal(const hal::PlanarPose& goal, const CellGrid<std::uint8
   goal_ = goal;
   turning_ = false;
   blocked_ = 0;
+  progress_ = sim_.pose();
+  progress_s_ = sim_.time_s();
   replan();
 }
 
@@ -114,6 +116,12 @@ bool FlatDriver::line_is_clear(Cell a, Cell b, int worst) const {
 
 DriveState FlatDriver::step() {
   const hal::PlanarPose& at = sim_.pose();
+  if (std::hypot(at.x_m - progress_.x_m, at.y_m - progress_.y_m) > 0.1 || turning_) {
+    progress_ = at;
+    progress_s_ = sim_.time_s();
+  } else if (sim_.time_s() - progress_s_ > 15.0) {
+    return DriveState::stuck;
+  }
   const double to_goal = std::hypot(goal_.x_m - at.x_m, goal_.y_m - at.y_m);
   if (turning_ || to_goal < kArrived_m) {
     turning_ = true;
@@ -138,7 +146,7 @@ DriveState FlatDriver::step() {
     break;
   }
   int worst = 64;
-  std::size_t aim = next_;
+  std::size_t aim = std::min(next_ + 2, path_.size() - 1);
   const std::size_t reach = next_ + static_cast<std::size_t>(kLookahead_m / costs_->resolution_m);
   for (std::size_t i = next_; i < std::min(reach + 1, path_.size()); ++i) {
     worst = std::max(worst, cost_of(costs_->at(path_[i]), through_unknown_));

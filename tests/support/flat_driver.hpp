@@ -55,6 +55,8 @@ class FlatDriver {
   bool turning_ = false;
   bool in_place_ = false;
   int blocked_ = 0;
+  hal::PlanarPose progress_;  ///< where it was when it last got on
+  double progress_s_ = 0.0;
   FlatPlanner planner_;
 };
 
