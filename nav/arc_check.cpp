@@ -40,7 +40,8 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
   for (int y = low.y; y <= high.y; ++y) {
     for (int x = low.x; x <= high.x; ++x) {
       const Cell c{x, y};
-      const CellState state = ground.contains(c) ? ground.at(c) : CellState::unknown;
+      CellState state = ground.contains(c) ? ground.at(c) : CellState::unknown;
+      if (floor != nullptr && floor->is_suspect(c)) state = CellState::occupied;
       if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) continue;
       NearCell cell{ground.centre_x_m(c) - T_world_base.x_m, ground.centre_y_m(c) - T_world_base.y_m, 0.0,
                     state == CellState::occupied};

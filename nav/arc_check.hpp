@@ -16,6 +16,8 @@ class FloorKnowledge {
  public:
   virtual ~FloorKnowledge() = default;
   [[nodiscard]] virtual bool is_seen(Cell c) const = 0;
+  /// Something that the map does not know (yet) may stand here: as good as occupied.
+  [[nodiscard]] virtual bool is_suspect(Cell) const { return false; }
 };
 
 struct ArcView {

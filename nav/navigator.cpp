@@ -54,6 +54,7 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
       recovery_(config.recovery),
       trace_(ground_.states(), config.follower.limits.body_radius_m),
       low_view_(ground_.states(), config.low_view),
+      near_watch_(ground_.states(), config.near_watch),
       is_noted_(ground_.states().cells.size()) {
   changed_.reserve(is_noted_.size());
 }
@@ -85,6 +86,11 @@ void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_
   taken_over_ = 0;
   take_over_changes();
   if (has_base_) low_view_.look(ground_.states(), base_.T_world_base);
+}
+
+void Navigator::on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
+                         TimeNs now) {
+  near_watch_.look(frame, camera, ground_.states(), T_world_base, now);
 }
 
 void Navigator::meet(std::uint8_t flags, TimeNs now) {
@@ -374,6 +380,7 @@ bool Navigator::stands_by(TimeNs now) {
 
 hal::Twist Navigator::step(TimeNs now) {
   if (!has_base_) return {};
+  now_ns_ = now;
   retry(now);
   if (stands_by(now)) return {};
   if (now >= next_decision_ns_ && !recovery_.is_active()) decide(now);

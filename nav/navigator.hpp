@@ -28,6 +28,7 @@
 #include "nav/low_view.hpp"
 #include "nav/mission.hpp"
 #include "nav/mission_report.hpp"
+#include "nav/near_watch.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route_planner.hpp"
 
@@ -49,6 +50,7 @@ struct NavigatorConfig {
   FollowerConfig follower;
   RecoveryConfig recovery;
   LowViewConfig low_view;
+  NearWatchConfig near_watch;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
   double decide_period_s = 1.0;
@@ -73,6 +75,9 @@ class Navigator final : private FloorKnowledge {
 
   /// After every frame: the blocks that it changed.
   void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs now);
+  /// After every frame as well, with the pose it was taken from: for what is too near to be mapped.
+  void on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
+                TimeNs now);
   /// After every feedback packet. The first pose is home.
   void on_base(const BaseView& view, TimeNs now);
   /// 20 to 50 times a second: the velocity to command.
@@ -98,6 +103,7 @@ class Navigator final : private FloorKnowledge {
   static constexpr double kRearFree_m = 0.03;
 
   [[nodiscard]] bool is_seen(Cell c) const override;
+  [[nodiscard]] bool is_suspect(Cell c) const override { return near_watch_.is_suspect(c, now_ns_); }
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
   void meet(std::uint8_t flags, TimeNs now);
@@ -132,6 +138,8 @@ class Navigator final : private FloorKnowledge {
 
   BodyTrace trace_;
   LowView low_view_;
+  NearWatch near_watch_;
+  TimeNs now_ns_ = 0;
   std::vector<std::uint32_t> changed_;  ///< for the explorer, each once
   std::vector<std::uint8_t> is_noted_;
   std::size_t taken_over_ = 0;  ///< how many of the ground map's changed cells

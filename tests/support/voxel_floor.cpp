@@ -7,12 +7,19 @@
 namespace g3d::tests {
 namespace {
 
-constexpr std::uint8_t kAir = 1, kFloor = 2, kWall = 4;
+// What is known of a cell: bits, and from which layer above the floor on the air was seen.
+constexpr std::uint8_t kAir = 1, kFloor = 2, kWall = 4, kLowestShift = 4;
 constexpr double kHalfView_rad = 0.5 * 57.0 / 57.29577951308232;
-constexpr double kNear_m = 0.8, kFloorFrom_m = 1.1, kFar_m = 3.5;
+constexpr double kNear_m = 0.8, kFar_m = 3.5;
+constexpr double kCameraHeight_m = 0.5, kFloorFrom_m = 1.1;  // the image's lower edge meets the floor there
 constexpr int kRays = 160;
 constexpr std::uint8_t kFull = 24, kEmpty = 8;  // levels after two frames
 constexpr std::int32_t kFloorLayer = 32767, kTopLayer = kFloorLayer + 12;
+
+std::uint8_t lowest_layer(double distance_m, double resolution_m) {
+  const double edge_m = kCameraHeight_m * (1.0 - distance_m / kFloorFrom_m);
+  return static_cast<std::uint8_t>(std::max(std::ceil(edge_m / resolution_m), 0.0));
+}
 
 bool is_inside(const std::vector<Box>& boxes, double x_m, double y_m) {
   return std::any_of(boxes.begin(), boxes.end(),
@@ -44,8 +51,10 @@ void VoxelFloor::write(nav::Cell c) {
     std::uint8_t level = mapper::kUnknownLevel;
     if (z == kFloorLayer) {
       level = (flags & kFloor) != 0 ? kFull : mapper::kUnknownLevel;
-    } else {
-      level = (flags & kWall) != 0 ? kFull : kEmpty;
+    } else if ((flags & kWall) != 0) {
+      level = kFull;
+    } else if (z - kFloorLayer > flags >> kLowestShift) {
+      level = kEmpty;
     }
     const mapper::BlockKey key = mapper::block_of(voxel);
     const std::uint32_t slot = map_.find_or_insert(key);
@@ -77,7 +86,10 @@ void VoxelFloor::look(const KinematicRobot& robot) {
                                     std::fabs(seen_.centre_y_m(c) - pose.y_m - s * dy));
       const std::uint8_t before = seen_.at(c);
       if ((before & kWall) != 0 && off_m > 0.3 * seen_.resolution_m) continue;
-      set(c, static_cast<std::uint8_t>((before & kFloor) | kAir | (s >= kFloorFrom_m ? kFloor : 0)));
+      const std::uint8_t lowest = lowest_layer(s, seen_.resolution_m);
+      const int from = (before & kAir) != 0 ? std::min<int>(before >> kLowestShift, lowest) : lowest;
+      set(c, static_cast<std::uint8_t>((before & kFloor) | kAir | (s >= kFloorFrom_m ? kFloor : 0) |
+                                       from << kLowestShift));
     }
     if (hit_m < kFar_m) set(wall, kAir | kWall);
   }
