@@ -30,6 +30,7 @@ ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std:
     const Evidence hit = level > speckle_level ? kHitOnce | kObstacle : kHitOnce;
     set_meaning(Layer::drop, level, state, kDropSeen, 0);
     set_meaning(Layer::floor, level, state, 0, kFloorSeen);
+    set_meaning(Layer::low, level, state, kAirSeen | kLowSeen, hit);
     set_meaning(Layer::air, level, state, kAirSeen, hit);
     set_meaning(Layer::upper_band, level, state, 0, hit);
   }
@@ -39,6 +40,7 @@ ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std:
       kinds_[static_cast<std::size_t>(block_z - first_block_z_)][static_cast<std::size_t>(z)] =
           layers.drop.contains(layer)    ? Layer::drop
           : layers.floor.contains(layer) ? Layer::floor
+          : layers.low.contains(layer)   ? Layer::low
           : layers.air.contains(layer)   ? Layer::air
           : layers.band.contains(layer)  ? Layer::upper_band
                                          : Layer::none;

@@ -11,12 +11,13 @@
 namespace g3d::nav {
 
 /// Bits, as many as apply.
-using Evidence = std::uint8_t;
+using Evidence = std::uint16_t;
 inline constexpr Evidence kFloorSeen = 1;  ///< an occupied voxel of the floor layers
 inline constexpr Evidence kAirSeen = 2;    ///< a free voxel of the air layers
 inline constexpr Evidence kDropSeen = 4;   ///< a free voxel of the drop layers, and no floor
 inline constexpr Evidence kHitOnce = 8;    ///< an occupied voxel of the band
 inline constexpr Evidence kObstacle = 16;  ///< two of them, or one that was hit more than once
+inline constexpr Evidence kLowSeen = 32;   ///< a free voxel of the low layers
 
 class ColumnReader {
  public:
@@ -32,8 +33,8 @@ class ColumnReader {
   void read(const mapper::VoxelMap& map, std::int32_t block_x, std::int32_t block_y, Cells& cells) const;
 
  private:
-  enum class Layer : std::uint8_t { none, drop, floor, air, upper_band };
-  static constexpr std::size_t kLayerKinds = 5;
+  enum class Layer : std::uint8_t { none, drop, floor, low, air, upper_band };
+  static constexpr std::size_t kLayerKinds = 6;
   static constexpr std::size_t kLevels = mapper::kLevelMask + 1;
   static constexpr std::int32_t kMaxBlocks = 64;
   /// What a level means in each of the eight layers of a block.

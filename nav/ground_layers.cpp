@@ -27,6 +27,7 @@ GroundLayers ground_layers(const mapper::Grid& grid, const GroundHeights& height
   layers.band = {rounded_up(heights.step_m, r_m), rounded_up(heights.body_height_m, r_m) - 1};
   layers.floor = {rounded_up(-std::max(r_m, kLeastFloorDepth_m), r_m), layers.band.first - 1};
   layers.air = {layers.band.first, std::min(layers.band.last, rounded_down(heights.presume_below_m, r_m) - 1)};
+  layers.low = {layers.air.first, std::max(layers.air.first, rounded_down(heights.low_m, r_m) - 1)};
   layers.drop = {rounded_up(-heights.drop_depth_m, r_m), rounded_down(-std::max(heights.drop_m, r_m), r_m) - 1};
   layers.drop.last = std::min(layers.drop.last, layers.floor.first - 1);
   return layers;

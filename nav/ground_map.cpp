@@ -50,12 +50,13 @@ GroundMap::GroundMap(const mapper::Grid& grid, const GroundMapConfig& config)
       states_(make_states(grid, side_blocks_, first_block_x_, first_block_y_)),
       evidence_(states_.cells.size()),
       drops_near_(states_.cells.size()),
+      floors_near_(states_.cells.size()),
       slot_key_(config.max_slots, VoxelMap::kNoKey),
       stack_noted_(static_cast<std::size_t>(side_blocks_) * static_cast<std::size_t>(side_blocks_)) {
-  const int margin = static_cast<int>(config.drop_margin_m / states_.resolution_m);
+  const int margin = static_cast<int>((config.margin_m + 1e-6) / states_.resolution_m);
   for (int y = -margin; y <= margin; ++y) {
     for (int x = -margin; x <= margin; ++x) {
-      if (std::hypot(x, y) * states_.resolution_m <= config.drop_margin_m) margin_offsets_.push_back({x, y});
+      if (std::hypot(x, y) * states_.resolution_m <= config.margin_m + 1e-6) margin_offsets_.push_back({x, y});
     }
   }
   stacks_.reserve(stack_noted_.size());
@@ -132,18 +133,20 @@ void GroundMap::set_evidence(Cell c, Evidence from_voxels) {
   if (from_voxels == before) return;
   evidence = static_cast<Evidence>((evidence & ~kFromVoxels) | from_voxels);
   const Evidence flipped = from_voxels ^ before;
-  if ((flipped & kDropSeen) != 0) spread_drop(c, (from_voxels & kDropSeen) != 0 ? 1 : -1);
+  if ((flipped & kDropSeen) != 0) spread(c, drops_near_, (from_voxels & kDropSeen) != 0 ? 1 : -1);
+  if ((flipped & kFloorSeen) != 0) spread(c, floors_near_, (from_voxels & kFloorSeen) != 0 ? 1 : -1);
   if ((flipped & kHitOnce) != 0) refresh_around(c);
   refresh(c);
 }
 
-void GroundMap::spread_drop(Cell c, int step) {
+void GroundMap::spread(Cell c, std::vector<std::uint16_t>& counts, int step) {
   for (const Cell& offset : margin_offsets_) {
     const Cell near{c.x + offset.x, c.y + offset.y};
     if (!states_.contains(near)) continue;
-    std::uint16_t& count = drops_near_[states_.index(near)];
-    count = static_cast<std::uint16_t>(count + step);
-    refresh(near);
+    const std::size_t index = states_.index(near);
+    const std::uint16_t before = counts[index];
+    counts[index] = static_cast<std::uint16_t>(before + step);
+    if ((before == 0 || counts[index] == 0) && (evidence_[index] & kAirSeen) != 0) refresh(near);
   }
 }
 
@@ -175,7 +178,8 @@ CellState GroundMap::judge(Cell c) const {
   if (floor_seen || (evidence & kStart) != 0) return CellState::free;
   if ((evidence & kDropSeen) != 0) return CellState::occupied;
   if ((evidence & kAirSeen) == 0) return CellState::unknown;
-  return drops_near_[index] > 0 ? CellState::occupied : CellState::free;
+  if (drops_near_[index] > 0) return CellState::occupied;
+  return (evidence & kLowSeen) != 0 && floors_near_[index] == 0 ? CellState::unknown : CellState::free;
 }
 
 bool GroundMap::has_hit_neighbour(Cell c) const {
@@ -209,7 +213,7 @@ void GroundMap::mark_free_disc(double x_m, double y_m, double radius_m) {
 void GroundMap::mark_contact(double x_m, double y_m, double radius_m) {
   for_disc(x_m, y_m, radius_m, [&](Cell c) {
     Evidence& evidence = evidence_[states_.index(c)];
-    evidence |= (evidence & kFloorSeen) != 0 ? kContact | kDistrusted : kContact;
+    evidence = static_cast<Evidence>(evidence | kContact | ((evidence & kFloorSeen) != 0 ? kDistrusted : 0));
     refresh(c);
   });
 }

@@ -10,7 +10,9 @@
 //
 // What a camera half a metre above the floor sees: the floor from 1.1 m on, walls and furniture from 0.8 m on; nearer
 // than that only that the air at camera height is clear. So a cell is free where its floor was seen, and also where
-// low enough air was seen; the latter is a presumption, to be driven slowly (a low box may hide there).
+// the air was; the latter is a presumption, to be driven slowly (a low box may hide there). It does not hold where one
+// has looked through so close above the ground that the floor ought to have been seen, and no floor is near: rays
+// without a reading tunnel through walls that are too near to be measured.
 // One voxel hit a single time, with nothing around it, is a speckle: not an obstacle until it is hit again.
 // Thread: the voxel map's writer, since update() reads it without locks. After construction nothing allocates.
 #pragma once
@@ -31,7 +33,7 @@ struct GroundMapConfig {
   double centre_y_m = 0.0;
   double side_m = 102.4;  ///< of the square around it; rounded up to whole blocks
   GroundHeights heights;
-  double drop_margin_m = 0.3;          ///< how far before the first sight below floor level the edge may be
+  double margin_m = 0.3;  ///< about cells whose floor was not seen, neighbours within this distance have a say
   std::uint8_t speckle_level = 20;     ///< an occupied voxel up to this level was hit once (16 + MapperConfig's hit)
   std::uint32_t max_slots = 1U << 18;  ///< of the voxel map: MapCapacity::blocks
 };
@@ -68,8 +70,8 @@ class GroundMap {
 
  private:
   // Evidence of a cell: the low bits come from the voxels (column_evidence.hpp), the others from marks.
-  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kDropSeen | kHitOnce | kObstacle;
-  static constexpr Evidence kStart = 32, kContact = 64, kDistrusted = 128;
+  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kLowSeen | kDropSeen | kHitOnce | kObstacle;
+  static constexpr Evidence kStart = 256, kContact = 512, kDistrusted = 1024;
 
   [[nodiscard]] bool has(Cell c, Evidence bit) const {
     return states_.contains(c) && (evidence_[states_.index(c)] & bit) != 0;
@@ -79,7 +81,7 @@ class GroundMap {
   void read_noted_stacks(const mapper::VoxelMap& map);
   void read_stack(const mapper::VoxelMap& map, std::uint32_t stack);
   void set_evidence(Cell c, Evidence from_voxels);
-  void spread_drop(Cell c, int step);
+  void spread(Cell c, std::vector<std::uint16_t>& counts, int step);
   void refresh(Cell c);
   void refresh_around(Cell c);
   [[nodiscard]] CellState judge(Cell c) const;
@@ -95,7 +97,8 @@ class GroundMap {
   std::int32_t first_block_y_;
   CellGrid<CellState> states_;
   std::vector<Evidence> evidence_;
-  std::vector<std::uint16_t> drops_near_;  ///< drop cells within drop_margin_m
+  std::vector<std::uint16_t> drops_near_;   ///< drop cells within margin_m
+  std::vector<std::uint16_t> floors_near_;  ///< cells within margin_m whose floor was seen
   std::vector<Cell> margin_offsets_;
   std::vector<std::uint32_t> changed_;
   std::size_t published_ = 0;               ///< how many of changed_ the last update() has shown

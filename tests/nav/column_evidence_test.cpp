@@ -36,6 +36,7 @@ TEST_CASE("Every layer says its own") {
     CHECK(of_voxel(r, -0.2F, 3) == kDropSeen);
     CHECK(of_voxel(r, -0.2F, 28) == 0);
     CHECK(of_voxel(r, 0.2F, 3) == kAirSeen);
+    CHECK(of_voxel(r, 0.09F, 3) == (kAirSeen | kLowSeen));
     CHECK(of_voxel(r, 0.55F, 3) == 0);
     CHECK(of_voxel(r, 0.55F, 28) == (kHitOnce | kObstacle));
     CHECK(of_voxel(r, 0.2F, 20) == kHitOnce);

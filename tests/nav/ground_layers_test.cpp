@@ -25,6 +25,8 @@ TEST_CASE("Layers at 5 cm: floor around 0, the body above, drops from 5 cm down"
   CHECK(sides_m(layers.air, 0.05F).second == Approx(0.45));
   CHECK(sides_m(layers.drop, 0.05F).first == Approx(-0.40));
   CHECK(sides_m(layers.drop, 0.05F).second == Approx(-0.05));
+  CHECK(sides_m(layers.low, 0.05F).first == Approx(0.05));
+  CHECK(sides_m(layers.low, 0.05F).second == Approx(0.10));
   CHECK(layers.first() == layers.drop.first);
 }
 
@@ -41,6 +43,9 @@ TEST_CASE("At every resolution the floor is in the floor's layers and a step is 
     CHECK(layers.band.contains(grid.to_index(0.599F)));
     CHECK_FALSE(layers.band.contains(grid.to_index(0.601F + resolution_m)));
     CHECK(layers.drop.last < layers.floor.first);
+    CHECK(layers.low.first == layers.band.first);
+    CHECK(layers.low.last >= layers.low.first);
+    CHECK(layers.low.last < layers.air.last);
     CHECK(sides_m(layers.drop, resolution_m).second <= -0.05 + 1e-6);
     CHECK(layers.drop.contains(grid.to_index(-0.17F)));  // the first step of a staircase down
   }

@@ -140,6 +140,19 @@ TEST_CASE("Floor is free, a wall is not, and air alone is a presumption") {
   CHECK_FALSE(bench.ground.is_floor_seen({-1, 5}));
 }
 
+TEST_CASE("Whoever looks through close above the ground sees the floor, or believes nothing") {
+  Bench bench;
+  bench.set(1.02, 0.52, 0.3, 4);
+  bench.set(1.02, 0.52, 0.08, 4);  // through a wall that was too near to be measured
+  CHECK(bench.at(1.02, 0.52) == CellState::unknown);
+  bench.floor(1.32, 0.52);  // just beyond it there is floor: the ray over this cell ended there
+  CHECK(bench.at(1.02, 0.52) == CellState::free);
+  bench.set(1.32, 0.52, -0.001, 14);
+  CHECK(bench.at(1.02, 0.52) == CellState::unknown);
+  bench.floor(1.37, 0.52);  // farther than the margin
+  CHECK(bench.at(1.02, 0.52) == CellState::unknown);
+}
+
 TEST_CASE("A step is an obstacle at resolutions that can tell it from the floor") {
   for (const float resolution_m : {0.01F, 0.02F}) {
     Bench bench(resolution_m);
@@ -175,7 +188,7 @@ TEST_CASE("A speckle is no obstacle, whatever is hit twice is") {
 TEST_CASE("Beyond a drop nothing is drivable, up to the floor that was seen") {
   Bench bench;
   for (double x = 0.025; x < 1.0; x += 0.05) bench.floor(x, 0.52);
-  for (double x = 1.025; x < 1.8; x += 0.05) bench.set(x, 0.52, 0.1, 4);  // air above the edge and beyond
+  for (double x = 1.025; x < 1.8; x += 0.05) bench.set(x, 0.52, 0.2, 4);  // air above the edge and beyond
   CHECK(bench.at(1.03, 0.52) == CellState::free);                         // so far nothing speaks against it
   bench.set(1.23, 0.52, -0.07, 4);                                        // seen down there
   CHECK(bench.at(1.23, 0.52) == CellState::occupied);

@@ -15,6 +15,7 @@ struct Seen {
   bool twice = false;  ///< one voxel hit more than once
   bool floor = false;
   bool air = false;
+  bool low = false;
   bool drop = false;
 };
 
@@ -39,6 +40,7 @@ CellGrid<CellState> plain_ground(const mapper::VoxelMap& map, const CellGrid<Cel
         const bool free = mapper::state_of(value) == mapper::State::free;
         cell.floor |= occupied && layers.floor.contains(z);
         cell.air |= free && layers.air.contains(z);
+        cell.low |= free && layers.low.contains(z);
         cell.drop |= free && layers.drop.contains(z);
         if (!occupied || !layers.band.contains(z)) continue;
         ++cell.band_hits;
@@ -73,8 +75,13 @@ CellGrid<CellState> plain_ground(const mapper::VoxelMap& map, const CellGrid<Cel
     } else if (drop) {
       state = CellState::occupied;
     } else if (cell.air) {
-      const double margin_cells = config.drop_margin_m / like.resolution_m;
-      state = any_near(c, margin_cells, is_drop) ? CellState::occupied : CellState::free;
+      const double margin_cells = (config.margin_m + 1e-6) / like.resolution_m;
+      const bool has_floor_near = any_near(c, margin_cells, [](const Seen& s) { return s.floor; });
+      if (any_near(c, margin_cells, is_drop)) {
+        state = CellState::occupied;
+      } else if (has_floor_near || !cell.low) {
+        state = CellState::free;
+      }
     }
   }
   return ground;
