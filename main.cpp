@@ -20,7 +20,8 @@ LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or 
 
 constexpr const char* kSimExamples = R"(
 Examples:
-  g3dmap sim --out out                                     the built-in furnished room
+  g3dmap sim --out out                                     a flight through the built-in furnished room
+  g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
   g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls)";
 
@@ -111,17 +112,27 @@ int parse_and_run(int argc, char** argv) {
   add_mapping_options(*replay_command, replay.mapping);
 
   SimOptions sim;
-  CLI::App* sim_command = add_command(app, "sim", "Fly a simulated Kinect through a world and map it", kSimExamples);
+  CLI::App* sim_command =
+      add_command(app, "sim", "Fly a simulated Kinect through a world, or let a robot explore it", kSimExamples);
   sim_command->add_option("--world", sim.world, "World file, map_server yaml, or builtin")->capture_default_str();
   sim_command->add_option("--camera-path", sim.camera_path, "Way of the camera, or builtin")->capture_default_str();
   sim_command->add_option("--laps", sim.laps, "Fly the way so many times")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  sim_command->add_option("--duration", sim.duration_s, "Stop after so many simulated seconds; 0: where the path ends")
+  sim_command
+      ->add_option("--duration", sim.duration_s,
+                   "Stop after so many simulated seconds; 0: where the path ends, or robots are home")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   sim_command->add_option("--fps", sim.frame_rate_hz, "Frames per simulated second; default: the board's")
       ->check(CLI::Range(0.1, 240.0));
+  sim_command
+      ->add_option("--robots", sim.robots, "Robots that explore the world by themselves, instead of a camera path")
+      ->check(CLI::Range(1, 1));
+  sim_command->add_option("--camera", sim.camera, "The robots' cameras as WIDTHxHEIGHT@HZ, such as 160x120@10");
+  sim_command->add_option("--drift", sim.drift, "How wrong the robots' odometry is: 0 exact, 1 like a real base")
+      ->check(CLI::Range(0.0, 10.0));
+  sim_command->add_option("--area", sim.area, "Explore only X0,Y0,X1,Y1 in metres");
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
   add_mapping_options(*sim_command, sim.mapping);
 
@@ -154,7 +165,8 @@ int parse_and_run(int argc, char** argv) {
     return app.exit(error) == 0 ? kExitDone : kExitBadUsage;
   }
   if (*replay_command) return run_replay(replay, command_line(argc, argv));
-  if (*sim_command) return run_sim(sim, command_line(argc, argv));
+  if (*sim_command)
+    return sim.robots > 0 ? run_explore(sim, command_line(argc, argv)) : run_sim(sim, command_line(argc, argv));
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);

@@ -49,6 +49,10 @@ struct SimOptions {
   double duration_s = 0.0;              ///< 0: to the end of the path
   std::optional<double> frame_rate_hz;  ///< none: the board camera's
   bool no_noise = false;
+  int robots = 0;      ///< above 0: they drive themselves, and there is no camera path
+  std::string camera;  ///< "WxH@HZ" of the robots' cameras; empty: the board's
+  double drift = 0.0;  ///< how wrong odometry is; 1 is a typical base
+  std::string area;    ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
 };
 
 struct ExportOptions {
@@ -74,6 +78,8 @@ struct MaskOptions {
 
 int run_replay(const ReplayOptions& options, const std::string& command_line);
 int run_sim(const SimOptions& options, const std::string& command_line);
+/// `sim --robots N`.
+int run_explore(const SimOptions& options, const std::string& command_line);
 int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);

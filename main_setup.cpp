@@ -16,6 +16,8 @@ constexpr double kLargestFootprint_m = 10.0;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
+}  // namespace
+
 /// The mount's angles say where the optical axis points; elevation is the opposite of ROS's pitch. Below them stands
 /// the turn from the body's axes (x forward) to the optical ones (z forward).
 hal::Pose mount_pose(const board::Board& board) {
@@ -25,8 +27,6 @@ hal::Pose mount_pose(const board::Board& board) {
                         -radians(board.mount_pitch_deg), radians(board.mount_yaw_deg));
   return hal::compose(T_base_body, hal::from_xyz_rpy(0, 0, 0, -kQuarter_rad, 0, -kQuarter_rad));
 }
-
-}  // namespace
 
 hal::Result<board::Board> effective_board(const MappingOptions& options) {
   hal::Result<board::Board> loaded =

@@ -17,6 +17,8 @@ namespace g3d {
 [[nodiscard]] hal::Result<board::Board> effective_board(const MappingOptions& options);
 [[nodiscard]] mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptions& options);
 [[nodiscard]] hal::CameraModel camera_model(const board::Board& board);
+/// T_base_camera of the camera as the board has it mounted.
+[[nodiscard]] hal::Pose mount_pose(const board::Board& board);
 /// None if the command line asks for none. The error is one of usage.
 [[nodiscard]] hal::Result<std::optional<mapper::StartFootprint>> start_footprint(const board::Board& board,
                                                                                  const MappingOptions& options);

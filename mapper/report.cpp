@@ -60,6 +60,7 @@ std::string to_json(const RunReport& report) {
   json.member("refused_blocks", report.refused_blocks);
   if (report.paging) write_paging(json, *report.paging);
   json.end_object();
+  if (report.write_more) report.write_more(json);
   json.key("run").begin_object().member("command", report.command).member("version", report.version);
   json.member("seed", report.seed).member("threads", report.threads).member("board", report.board);
   json.key("notes").begin_array();

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +15,8 @@
 #include "mapper/stage_times.hpp"
 
 namespace g3d::mapper {
+
+class JsonWriter;
 
 struct FrameCounts {
   std::uint64_t delivered = 0;   ///< by the camera, usable or not
@@ -65,6 +68,7 @@ struct RunReport {
   std::uint64_t seed = 0;
   int threads = 1;
   std::string board;
+  std::function<void(JsonWriter&)> write_more;  ///< further members, between the map and the run
   std::vector<std::string> notes;  ///< what the user should know: an interruption, a full pool, a camera error
 };
 

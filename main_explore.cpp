@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+// `g3dmap sim --robots N`: a simulated building, a robot that explores it in lockstep, and what came out of it.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "hal/clock.hpp"
+#include "hal/image/file_bytes.hpp"
+#include "hal/replay/decimal.hpp"
+#include "hal/replay/trajectory_file.hpp"
+#include "hal/sim/load_world.hpp"
+#include "hal/sim/observable.hpp"
+#include "hal/sim/sim_building.hpp"
+#include "main_commands.hpp"
+#include "main_setup.hpp"
+#include "mapper/block_source.hpp"
+#include "mapper/map_hash.hpp"
+#include "mapper/report.hpp"
+#include "mapper/summary.hpp"
+#include "mapper/version.hpp"
+#include "nav/coverage.hpp"
+#include "nav/exploration_report.hpp"
+#include "nav/outputs.hpp"
+#include "nav/robot.hpp"
+
+namespace g3d {
+namespace {
+
+constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
+constexpr double kLongest_s = 4.0 * 3600.0;  // no building of ours takes that long
+
+std::atomic<bool> stop_requested{false};
+std::atomic<int> stop_signals{0};
+
+void on_stop_signal(int) {
+  if (stop_signals.fetch_add(1) > 0) _exit(130);
+  stop_requested.store(true);
+}
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int fail(const std::string& text) {
+  fmt::print(stderr, "g3dmap: {}\n", text);
+  return kExitFailed;
+}
+
+int bad_usage(const std::string& text) {
+  (void)fail(text);
+  return kExitBadUsage;
+}
+
+struct CameraChoice {
+  hal::CameraModel model;
+  double rate_hz = 30.0;
+};
+
+hal::Result<CameraChoice> choose_camera(const board::Board& board, const SimOptions& options) {
+  CameraChoice choice{camera_model(board), options.frame_rate_hz.value_or(board.camera_rate_hz)};
+  if (options.camera.empty()) return choice;
+  const std::string_view text = options.camera;
+  const std::size_t by = text.find('x');
+  const std::size_t at = text.find('@');
+  const auto number = [&](std::size_t from, std::size_t to) {
+    return from <= to && to <= text.size() ? hal::parse_double(text.substr(from, to - from)).value_or(0.0) : 0.0;
+  };
+  const bool has_form = by != std::string_view::npos && at != std::string_view::npos && by < at;
+  const double width = has_form ? number(0, by) : 0.0;
+  const double height = has_form ? number(by + 1, at) : 0.0;
+  const double rate_hz = has_form ? number(at + 1, text.size()) : 0.0;
+  const auto is_size = [](double px) { return px >= 16 && px <= hal::kMaxImageSide_px && px == std::floor(px); };
+  if (!is_size(width) || !is_size(height) || !(rate_hz >= 0.5 && rate_hz <= 240.0)) {
+    return hal::Error{hal::Reason::bad_usage,
+                      fmt::format("--camera '{}': not WIDTHxHEIGHT@HZ with 16 to {} pixels and 0.5 to 240 Hz, such as "
+                                  "160x120@10",
+                                  options.camera, hal::kMaxImageSide_px)};
+  }
+  choice.model = hal::scaled_kinect(static_cast<int>(width), static_cast<int>(height));
+  choice.rate_hz = rate_hz;
+  return choice;
+}
+
+hal::Result<void> set_area(const std::string& text, nav::ExplorerConfig& explorer) {
+  if (text.empty()) return {};
+  std::array<double, 4> corner{};
+  std::size_t from = 0;
+  std::size_t count = 0;
+  for (; count < 4 && from <= text.size(); ++count) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const auto number = hal::parse_double(std::string_view(text).substr(from, comma - from));
+    if (!number) break;
+    corner[count] = *number;
+    from = comma + 1;
+  }
+  if (count != 4 || from <= text.size() || corner[0] >= corner[2] || corner[1] >= corner[3]) {
+    return hal::Error{hal::Reason::bad_usage,
+                      fmt::format("--area '{}': not X0,Y0,X1,Y1 in metres with X0 < X1 and Y0 < Y1", text)};
+  }
+  explorer.area_min_x_m = corner[0];
+  explorer.area_min_y_m = corner[1];
+  explorer.area_max_x_m = corner[2];
+  explorer.area_max_y_m = corner[3];
+  return {};
+}
+
+nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& options, const CameraChoice& camera,
+                              const hal::PlanarPose& T_world_start) {
+  nav::RobotConfig config;
+  config.mapper = mapper_config(board, options);
+  config.camera = camera.model;
+  config.T_base_camera = mount_pose(board);
+  config.T_world_start = T_world_start;
+  config.robot_height_m = board.robot_height_m;
+  nav::NavigatorConfig& navigator = config.navigator;
+  navigator.ground.centre_x_m = T_world_start.x_m;
+  navigator.ground.centre_y_m = T_world_start.y_m;
+  navigator.ground.heights.body_height_m = board.robot_height_m;
+  navigator.ground.speckle_level = static_cast<std::uint8_t>(mapper::kUnknownLevel + board.map_hit);
+  navigator.ground.max_slots = config.mapper.capacity.blocks;
+  navigator.explorer.body_radius_m = board.robot_radius_m;
+  navigator.explorer.camera_forward_m = board.mount_x_m;
+  navigator.explorer.near_m = board.map_near_m;
+  navigator.explorer.far_m = board.map_far_m;
+  navigator.explorer.view_rad = 2.0 * std::atan(0.5 * camera.model.width_px / static_cast<double>(camera.model.fx_px));
+  navigator.follower.limits.body_radius_m = board.robot_radius_m;
+  navigator.near_watch.body_radius_m = board.robot_radius_m;
+  navigator.near_watch.forward_m = board.mount_x_m;
+  navigator.near_watch.near_m = board.map_near_m;
+  return config;
+}
+
+/// Counts and names of what kept the base from moving, in the order of the safety table.
+std::vector<std::pair<std::string, std::uint64_t>> safety_stops(const hal::kobuki::BaseState& base) {
+  std::vector<std::pair<std::string, std::uint64_t>> stops;
+  for (std::size_t i = 0; i < hal::kConditionCount; ++i) {
+    stops.emplace_back(hal::to_string(static_cast<hal::Condition>(i)), base.began[i]);
+  }
+  return stops;
+}
+
+nav::OutsideView outside_view(const hal::RobotRecord& record) {
+  return {record.contacts, record.contacts_measurable, record.contacts_moving, record.fastest_contact_mps,
+          record.closest_clearance_m};
+}
+
+/// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
+class Exploration {
+ public:
+  Exploration(hal::SimBuilding& building, nav::Robot& robot, nav::CoverageMeter& coverage,
+              hal::TrajectoryWriter& trajectory, double rate_hz, double limit_s, double pace)
+      : building_(building),
+        robot_(robot),
+        coverage_(coverage),
+        trajectory_(trajectory),
+        frame_period_ns_(static_cast<hal::TimeNs>(1e9 / rate_hz)),
+        limit_ns_(static_cast<hal::TimeNs>(limit_s * 1e9)),
+        pace_(pace),
+        frame_(hal::make_frame(building.camera())) {}
+
+  void run(bool show_progress) {
+    const hal::TimeNs start_ns = real_.now();
+    while (!stop_requested.load() && now_ns_ < limit_ns_ && !robot_.navigator().mission().is_over()) {
+      now_ns_ = std::min(next_line_ns_, next_frame_ns_);
+      if (pace_ > 0.0) {
+        real_.sleep_until(start_ns + static_cast<hal::TimeNs>(static_cast<double>(now_ns_) / pace_));
+      }
+      building_.advance_to(now_ns_);
+      if (now_ns_ == next_line_ns_) {
+        robot_.on_line(building_.line(0), now_ns_);
+        next_line_ns_ += hal::kobuki::kPacketPeriod_ns;
+      }
+      if (now_ns_ == next_frame_ns_) take_frame();
+      if (now_ns_ >= next_sample_ns_) {
+        sample();
+        if (show_progress && isatty(STDERR_FILENO) != 0) show(start_ns);
+      }
+    }
+    if (show_progress && isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\n");
+    sample();
+  }
+
+  [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
+  [[nodiscard]] const std::vector<hal::Pose>& poses() const { return poses_; }
+  [[nodiscard]] const hal::Result<void>& first_failure() const { return failure_; }
+
+ private:
+  void take_frame() {
+    building_.render(0, frame_);
+    frame_.stamp_ns = now_ns_;
+    const std::uint64_t before = robot_.frames().integrated;
+    robot_.on_frame(frame_, now_ns_);
+    if (robot_.frames().integrated != before) {
+      const auto written = trajectory_.append({now_ns_, *robot_.last_frame_pose()});
+      if (!written && failure_.ok()) failure_ = written;
+      poses_.push_back(*robot_.last_frame_pose());
+    }
+    ++frames_;
+    next_frame_ns_ = static_cast<hal::TimeNs>(frames_) * frame_period_ns_ / kStep_ns * kStep_ns;
+  }
+
+  void sample() {
+    fraction_ = coverage_.fraction(robot_.navigator().ground().states());
+    robot_.navigator().report().note_coverage(fraction_, now_ns_);
+    next_sample_ns_ = now_ns_ + kSecond_ns;
+  }
+
+  void show(hal::TimeNs start_ns) const {
+    const double simulated_s = static_cast<double>(now_ns_) / 1e9;
+    const double real_s = std::max(1e-3, static_cast<double>(real_.now() - start_ns) / 1e9);
+    fmt::print(stderr, "\r{:6.0f} s  {:5.1f} % seen  {:6.1f} m driven  {:5.1f} x real time  {}   ", simulated_s,
+               100.0 * fraction_, robot_.navigator().report().path_m, simulated_s / real_s,
+               nav::name_of(robot_.navigator().mission().state()));
+  }
+
+  static constexpr hal::TimeNs kStep_ns = 2'000'000;  // of the building
+  hal::SimBuilding& building_;
+  nav::Robot& robot_;
+  nav::CoverageMeter& coverage_;
+  hal::TrajectoryWriter& trajectory_;
+  hal::RealClock real_;
+  hal::TimeNs frame_period_ns_;
+  hal::TimeNs limit_ns_;
+  double pace_;
+  hal::Frame frame_;
+  hal::TimeNs now_ns_ = 0;
+  hal::TimeNs next_line_ns_ = 0;
+  hal::TimeNs next_frame_ns_ = 0;
+  hal::TimeNs next_sample_ns_ = 0;
+  std::uint64_t frames_ = 0;
+  double fraction_ = 0.0;
+  std::vector<hal::Pose> poses_;
+  hal::Result<void> failure_;
+};
+
+}  // namespace
+
+int run_explore(const SimOptions& options, const std::string& command_line) {
+  const MappingOptions& mapping = options.mapping;
+  if (options.camera_path != "builtin") return bad_usage("--robots and --camera-path: give one of them");
+  if (options.laps != 1) return bad_usage("--laps is for a camera path, not for --robots");
+  if (mapping.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
+  if (mapping.mode && *mapping.mode == "static") {
+    return bad_usage("--mode static knows no free space, so no robot can drive by it; leave it out");
+  }
+  if (mapping.window_m || mapping.checkpoint_s > 0.0) {
+    return bad_usage("--window and --checkpoint do not go with --robots yet; leave them out");
+  }
+  const auto loaded_board = effective_board(mapping);
+  if (!loaded_board) return fail(loaded_board.error().text);
+  const board::Board& board = loaded_board.value();
+  const auto camera = choose_camera(board, options);
+  if (!camera) return bad_usage(camera.error().text);
+  const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
+  auto world = hal::load_world(world_name);
+  if (!world) return fail(world.error().text);
+  const auto starts = hal::choose_starts(world.value(), 1, mapping.seed);
+  if (!starts) return fail(starts.error().text);
+  const auto observable = hal::find_observable(world.value(), starts.value());
+  if (!observable) return fail(observable.error().text);
+
+  nav::RobotConfig config = robot_config(board, mapping, camera.value(), starts.value()[0]);
+  if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
+  if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
+  std::error_code code;
+  std::filesystem::create_directories(mapping.out_dir, code);
+  if (code) {
+    return fail(
+        fmt::format("{}: cannot create this folder: {}; choose another --out", mapping.out_dir, code.message()));
+  }
+  const std::string trajectory_path = mapping.out_dir + "/trajectory.tum";
+  auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
+  if (!trajectory) return fail(trajectory.error().text);
+
+  hal::SimBuildingOptions building_options;
+  building_options.camera = config.camera;
+  building_options.noise = !options.no_noise;
+  building_options.seed = mapping.seed;
+  building_options.threads = board.map_threads;
+  hal::SimRobotOptions robot_options;
+  robot_options.T_world_base = starts.value()[0];
+  robot_options.T_base_camera = config.T_base_camera;
+  robot_options.base.seed = mapping.seed;
+  hal::add_drift(robot_options, options.drift, mapping.seed);
+  building_options.robots = {robot_options};
+  hal::SimBuilding building(std::move(world).value(), building_options);
+  hal::RealClock clock;
+  nav::Robot robot(config, clock);
+  nav::CoverageMeter coverage(observable.value());
+  catch_stop_signals();
+  const double limit_s = options.duration_s > 0.0 ? options.duration_s : kLongest_s;
+  Exploration exploration(building, robot, coverage, trajectory.value(), camera.value().rate_hz, limit_s, mapping.rate);
+  const hal::TimeNs start_ns = clock.now();
+  exploration.run(!mapping.quiet);
+  const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
+
+  std::vector<hal::Error> failures;
+  if (!exploration.first_failure().ok()) failures.push_back(exploration.first_failure().error());
+  if (const auto committed = trajectory.value().commit(); !committed) failures.push_back(committed.error());
+  nav::OutputOptions output_options;
+  output_options.trajectory = exploration.poses();
+  output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
+  output_options.meta.steps = config.mapper.steps;
+  nav::Outputs outputs = nav::write_outputs(robot.mapper().map(), output_options, mapping.out_dir);
+  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+
+  const nav::Mission& mission = robot.navigator().mission();
+  nav::ExplorationReport explored;
+  explored.mission = &robot.navigator().report();
+  explored.time_s = robot.navigator().report().time_s(exploration.now_ns());
+  explored.home = mission.is_over();
+  explored.state = nav::name_of(mission.state());
+  explored.outside = outside_view(building.record(0));
+  explored.safety_stops = safety_stops(robot.base());
+  mapper::RunReport report;
+  report.frames = robot.frames();
+  report.stages = {{"integrate", robot.integrate_times()}, {"navigate", robot.navigate_times()}};
+  report.resolution_m = board.map_resolution_m;
+  const mapper::MapCounts counts = robot.mapper().map().counts();
+  report.occupied = counts.occupied;
+  report.free = counts.free;
+  report.memory_bytes = robot.mapper().map().memory().used_bytes;
+  report.refused_blocks = robot.refused_blocks();
+  report.file_bytes = outputs.map_file_bytes;
+  report.hash = mapper::map_hash(robot.mapper().map());
+  report.command = command_line;
+  report.version = mapper::version();
+  report.seed = mapping.seed;
+  report.threads = board.map_threads;
+  report.board = board.name;
+  report.write_more = [&](mapper::JsonWriter& json) { nav::write_exploration(json, explored); };
+  if (stop_requested.load()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
+  if (robot.pool_full_frames() > 0) {
+    report.notes.push_back(fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory",
+                                       robot.pool_full_frames()));
+  }
+  const std::string json = to_json(report);
+  const std::string report_path = mapping.out_dir + "/report.json";
+  if (const auto written = hal::write_file_atomic(report_path, json); !written) {
+    failures.push_back(written.error());
+  } else {
+    outputs.files.push_back({report_path, "what happened", json.size()});
+  }
+  if (mapping.json) {
+    fmt::print("{}", json);
+  } else if (!mapping.quiet) {
+    fmt::print("{}{}", nav::exploration_text(explored), summary_text(report, run_s, outputs.files));
+  }
+  for (const hal::Error& failure : failures) (void)fail(failure.text);
+  return failures.empty() ? kExitDone : kExitFailed;
+}
+
+}  // namespace g3d

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/robot.hpp"
+
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+constexpr std::size_t kReadBytes = 1024;  // 20 ms bring some 90
+
+hal::Pose on_floor(const hal::PlanarPose& p) { return hal::from_xyz_rpy(p.x_m, p.y_m, 0.0, 0.0, 0.0, p.heading_rad); }
+
+}  // namespace
+
+Robot::Robot(const RobotConfig& config, hal::Clock& clock)
+    : config_(config),
+      clock_(clock),
+      driver_(config.driver),
+      mapper_(config.mapper, config.camera, {}),
+      navigator_(mapper_.map().grid(), config.navigator),
+      frame_watch_(config.frame_watch) {}
+
+hal::PlanarPose Robot::in_world(const hal::PlanarPose& T_odometry_base) const {
+  const hal::PlanarPose& start = config_.T_world_start;
+  const double c = std::cos(start.heading_rad);
+  const double s = std::sin(start.heading_rad);
+  return {start.x_m + c * T_odometry_base.x_m - s * T_odometry_base.y_m,
+          start.y_m + s * T_odometry_base.x_m + c * T_odometry_base.y_m,
+          wrap_angle(start.heading_rad + T_odometry_base.heading_rad)};
+}
+
+hal::PlanarPose Robot::T_world_base() const { return in_world(driver_.state().T_world_base); }
+
+void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
+  const bool is_lost = line.state() == hal::LineState::lost;
+  if (is_lost && !was_lost_) driver_.on_line_lost();
+  was_lost_ = is_lost;
+  std::array<std::uint8_t, kReadBytes> bytes;
+  while (const std::size_t count = line.read(bytes)) driver_.on_bytes({bytes.data(), count}, now);
+  std::array<std::uint8_t, hal::kobuki::BaseDriver::kMaxOut_bytes> out;
+  if (const std::size_t count = driver_.tick(now, out)) (void)line.write({out.data(), count});
+
+  const hal::kobuki::BaseState& base = driver_.state();
+  if (base.packets != packets_seen_) {
+    packets_seen_ = base.packets;
+    BaseView view;
+    view.T_world_base = T_world_base();
+    view.velocity = base.velocity;
+    view.bumper = base.bumper;
+    view.cliff = base.cliff;
+    view.verdict = base.verdict;
+    navigator_.on_base(view, now);
+  }
+  if (packets_seen_ == 0 || ticks_++ % static_cast<std::uint64_t>(config_.steps_per_command) != 0) return;
+  const hal::TimeNs start_ns = clock_.now();
+  const hal::Twist wanted = navigator_.step(now);
+  navigate_times_.add(clock_.now() - start_ns);
+  driver_.set_command(wanted, now);
+  if (navigator_.is_rear_free()) driver_.set_rear_free(now);
+}
+
+void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
+  ++frames_.delivered;
+  if (last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_) {
+    drop(hal::DropReason::time_backwards);
+    return;
+  }
+  last_stamp_ns_ = frame.stamp_ns;
+  const auto T_odometry_base = driver_.poses().at(frame.stamp_ns);
+  if (!T_odometry_base) {
+    drop(hal::DropReason::no_pose);
+    return;
+  }
+  const hal::PlanarPose base = in_world(*T_odometry_base);
+  const hal::FrameFault fault = frame_watch_.check(frame, config_.camera, base, now);
+  if (fault == hal::FrameFault::none) driver_.set_camera_alive(frame.stamp_ns);
+  if (fault == hal::FrameFault::garbage || fault == hal::FrameFault::stuck) {
+    drop(hal::DropReason::unreadable_depth);
+    return;
+  }
+  const hal::Pose T_world_camera = hal::compose(on_floor(base), config_.T_base_camera);
+  if (frames_.integrated == 0) {
+    mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.navigator.explorer.body_radius_m, config_.robot_height_m);
+  }
+  const hal::TimeNs start_ns = clock_.now();
+  const mapper::FrameReport report = mapper_.integrate(frame, T_world_camera);
+  integrate_times_.add(clock_.now() - start_ns);
+  if (report.status == mapper::FrameStatus::out_of_range) {
+    drop(hal::DropReason::out_of_range);
+    return;
+  }
+  if (report.status == mapper::FrameStatus::pool_full) ++pool_full_frames_;
+  refused_blocks_ += report.refused_blocks;
+  ++frames_.integrated;
+  last_frame_pose_ = T_world_camera;
+  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), now);
+  navigator_.on_frame(frame, config_.camera, base, now);
+}
+
+}  // namespace g3d::nav
