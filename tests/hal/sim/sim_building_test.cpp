@@ -6,6 +6,8 @@
 
 #include "hal/frame_pool.hpp"
 #include "hal/kobuki/command.hpp"
+#include "hal/kobuki/odometry.hpp"
+#include "hal/kobuki/packet_reader.hpp"
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/world_file.hpp"
 
@@ -88,6 +90,35 @@ TEST_CASE("time goes in whole steps whatever the calls are") {
   CHECK(a.now() == kSecond);
   CHECK(a.T_world_base(0) == b.T_world_base(0));
   CHECK(a.T_world_base(0).x_m > 0.3);
+}
+
+TEST_CASE("odometry from the bytes is the truth to a millimetre, unless drift is asked for") {
+  for (const double drift : {0.0, 1.0}) {
+    SimBuildingOptions options = options_for({{0, 0, 0}});
+    add_drift(options.robots[0], drift, 3);
+    SimBuilding building(world_of("floor 0 0 0 400 400 0.1\n"), options);
+    kobuki::PacketReader reader;
+    kobuki::Odometry odometry;
+    SeededRandom random(1);
+    double worst_m = 0.0;
+    for (int i = 0; i < 120; ++i) {
+      drive(building, 0, 0.5 * random.uniform(), 2.4 * (random.uniform() - 0.5));
+      building.advance_to((i + 1) * kSecond);
+      std::array<std::uint8_t, 8192> bytes;
+      reader.feed(std::span(bytes).first(building.line(0).read(bytes)), building.now(),
+                  [&](const kobuki::Feedback& f) { odometry.update(f); });
+      const PlanarPose truth = building.T_world_base(0);
+      const PlanarPose& told = odometry.T_world_base();
+      worst_m = std::max(worst_m, std::hypot(told.x_m - truth.x_m, told.y_m - truth.y_m));
+    }
+    CHECK(building.record(0).driven_m > 20.0);
+    CHECK(reader.rejects().total() == 0);
+    if (drift == 0.0) {
+      CHECK(worst_m < 0.001);
+    } else {
+      CHECK(worst_m > 0.02);
+    }
+  }
 }
 
 TEST_CASE("robots see one another as they are now, but not themselves") {
