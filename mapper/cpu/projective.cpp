@@ -34,7 +34,7 @@ ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeomet
   numbers.bottom_px = static_cast<float>(camera.height_px - 1) - camera.cy_px;
   // A plane through the camera and an image border has the normal (f, -border); the cube reaches across it by half the
   // sum of its edges' components along that normal.
-  const float half_m = 0.5F * tuning.border_scale * sensor.resolution_m;
+  const float half_m = 0.5F * sensor.resolution_m;
   const auto reach = [&](std::size_t axis, float f, float border) {
     return half_m * (std::abs(f * R[axis] - border * R[2]) + std::abs(f * R[3 + axis] - border * R[5]) +
                      std::abs(f * R[6 + axis] - border * R[8]));
@@ -172,7 +172,7 @@ void Projective::offer(const FrameWork& work) {
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
-                     visible.blocks_per_chunk());
+                     visible.blocks_per_chunk(), work.pool.threads() == 1);
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
     BlockKey key = 0;
     std::uint32_t slot = kNoSlot;
@@ -183,7 +183,11 @@ void Projective::offer(const FrameWork& work) {
       hits = work.hits.find(work.frame.block_id(bx, by, bz));
       return hits != nullptr || !work.updater.is_settled(slot);
     };
-    visible.for_chunk(chunk, wants, [&](const BlockView& block, BlockClass found) {
+    const auto soon = [&](int bx, int by, int bz) {
+      work.updater.prefetch_header(work.frame.block_key(bx, by, bz));
+      work.hits.prefetch(work.frame.block_id(bx, by, bz));
+    };
+    visible.for_chunk(chunk, soon, wants, [&](const BlockView& block, BlockClass found) {
       work.updater.prefetch(key, slot, hits != nullptr);
       const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
       if (found == BlockClass::all_free) {
