@@ -69,14 +69,17 @@ class BlockUpdater {
     if (guess < map_->slot_end()) __builtin_prefetch(&map_->header(guess));
   }
   /// Brings closer what an update of this block will touch, while others are computed.
-  void prefetch(BlockKey key, std::uint32_t slot, bool with_bricks) const {
+  void prefetch(BlockKey key, std::uint32_t slot, const HitRecord* hits) const {
+    for (int line = 0; hits != nullptr && line < kBlockVoxels; line += 64) {
+      __builtin_prefetch(hits->flags.data() + line);
+    }
     if (slot == kNoSlot) {
       map_->prefetch(key);
       return;
     }
     const std::uint8_t* levels = levels_of(slot);
     for (int line = 0; levels != nullptr && line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
-    if (!with_bricks) return;
+    if (hits == nullptr) return;
     for (const std::uint32_t brick : map_->header(slot).bricks) {
       if (brick == kNoSlot) continue;
       const std::uint8_t* colours = map_->brick(brick).data();

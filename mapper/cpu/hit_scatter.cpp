@@ -110,7 +110,6 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
       }
       for (; bits != 0; bits &= bits - 1) {
         const int begin = u + std::countr_zero(bits);
-        if (block_ids[static_cast<std::size_t>(begin)] == kNoBlock) continue;
         std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
         if (colours != nullptr) {
           const std::uint8_t* colour = colours + 3 * begin;

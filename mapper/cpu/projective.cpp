@@ -13,6 +13,15 @@ float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& t
   return tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m / far_m;
 }
 
+// Bricks of 4x4x4 voxels that begin farther than the camera trusts are hidden; the others are looked up by their
+// middle.
+float smallest_footprint_px(const SensorGeometry& sensor, const FrameGeometry& frame, const ProjectiveFrame& numbers) {
+  const auto& R = frame.rotation;
+  const float half_brick_m = 2.0F * sensor.resolution_m * (std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]));
+  const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
+  return numbers.window_px_m / (far_m + 1.01F * half_brick_m);
+}
+
 }  // namespace
 
 ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
@@ -165,10 +174,10 @@ bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers
 }
 
 void Projective::offer(const FrameWork& work) {
-  images_.compute(work.ends, work.kernels, work.pool);
+  const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
+  images_.compute(work.ends, work.kernels, work.pool, smallest_footprint_px(work.sensor, work.frame, numbers));
   fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
-  const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
@@ -188,7 +197,7 @@ void Projective::offer(const FrameWork& work) {
       work.hits.prefetch(work.frame.block_id(bx, by, bz));
     };
     visible.for_chunk(chunk, soon, wants, [&](const BlockView& block, BlockClass found) {
-      work.updater.prefetch(key, slot, hits != nullptr);
+      work.updater.prefetch(key, slot, hits);
       const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
       if (found == BlockClass::all_free) {
         work.updater.offer_all_free(chunk, key, hits, strong);

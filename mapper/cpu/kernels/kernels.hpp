@@ -56,7 +56,7 @@ struct UnprojectRow {
   std::uint16_t* place;             ///< out: M & 511
   const std::uint8_t* colour_flag;  ///< from ClassifyRow
   std::uint32_t* code;              ///< out: block_id << 10 | place << 1 | whether the flag is set
-  std::uint8_t* starts;  ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
+  std::uint8_t* starts;  ///< out: 1 at trusted readings whose voxel or colour flag is not that of the pixel before
 };
 /// Boxes with more blocks have voxels that share a code.
 inline constexpr std::uint32_t kMostCodedBlocks = 1U << 22;

@@ -36,7 +36,7 @@ struct View {
         pyramid(camera.width_px, camera.height_px) {
     if (seed % 5 == 0) std::fill_n(image.depth.get(), camera.pixel_count(), std::uint16_t{3200});  // a bare wall
     ends.compute(image.depth.get(), best_kernels(), pool);
-    pyramid.compute(ends, pool);
+    pyramid.compute(ends, best_kernels(), pool);
   }
 
   /// Which voxels are free, by block.
