@@ -124,12 +124,12 @@ FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_
   p.hits.compute(*geometry, p.ends, rgb, p.kernels, p.pool);
   std::uint32_t last_chunk = 0;
   if (p.free_space != nullptr) {
-    p.pyramid.compute(p.ends, p.pool);
+    p.pyramid.compute(p.ends, p.kernels, p.pool);
     p.free_space->offer(
         {p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb != nullptr, p.frame_number});
     last_chunk = p.updater.chunks() - 1;
   } else {
-    p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count());
+    p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count(), p.pool.threads() == 1);
   }
   p.offer_remaining_hits(*geometry, last_chunk);
   report.refused_blocks = p.updater.finish(p.pool);

@@ -57,4 +57,9 @@ struct UpdateSteps {
   return static_cast<std::uint8_t>((old_value + new_value + 1) >> 1);
 }
 
+/// blend_channel() of all three at once; R | G << 8 | B << 16, bits above zero. a + b = 2 (a | b) - (a ^ b).
+[[nodiscard]] constexpr std::uint32_t blend_rgb(std::uint32_t old_rgb, std::uint32_t new_rgb) {
+  return (old_rgb | new_rgb) - (((old_rgb ^ new_rgb) & 0xFEFEFEU) >> 1);
+}
+
 }  // namespace g3d::mapper

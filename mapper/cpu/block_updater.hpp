@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Evidence of one frame -> levels and colours of the map. What needs no new memory is applied at once, by many threads,
 // each block by one of them; blocks, planes and bricks that are missing are handed out afterwards by one thread in a
-// fixed order, so that a map does not depend on the number of threads even when a pool runs full.
+// fixed order, so that a map does not depend on the number of threads even when a pool runs full. A single thread
+// offers in just that order, so it gets its memory at once.
 #pragma once
 
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -25,9 +28,10 @@ class BlockUpdater {
  public:
   BlockUpdater(VoxelMap& map, const SensorGeometry& sensor, UpdateSteps steps);
 
-  /// `chunks` lanes of at most `blocks_per_chunk` blocks will be offered.
+  /// `chunks` lanes of at most `blocks_per_chunk` blocks will be offered. `one_thread`: by a single thread, lane after
+  /// lane.
   void begin(const FrameGeometry& frame, bool with_colour, const Kernels& kernels, std::uint32_t frame_number,
-             std::uint32_t chunks, std::uint32_t blocks_per_chunk);
+             std::uint32_t chunks, std::uint32_t blocks_per_chunk, bool one_thread);
 
   /// Slot of a block if it is remembered from a recent frame, else kNoSlot. A camera sees the same blocks again and
   /// again, and the hash table's random reads would cost more than the update itself.
@@ -58,15 +62,24 @@ class BlockUpdater {
     return map_->plane(map_->header(slot).plane).data();
   }
 
+  /// Brings the header of a remembered block closer.
+  void prefetch_header(BlockKey key) const {
+    const std::uint32_t guess =
+        std::atomic_ref<std::uint32_t>(slot_cache_[key & slot_cache_mask_]).load(std::memory_order_relaxed);
+    if (guess < map_->slot_end()) __builtin_prefetch(&map_->header(guess));
+  }
   /// Brings closer what an update of this block will touch, while others are computed.
-  void prefetch(BlockKey key, std::uint32_t slot, bool with_bricks) const {
+  void prefetch(BlockKey key, std::uint32_t slot, const HitRecord* hits) const {
+    for (int line = 0; hits != nullptr && line < kBlockVoxels; line += 64) {
+      __builtin_prefetch(hits->flags.data() + line);
+    }
     if (slot == kNoSlot) {
       map_->prefetch(key);
       return;
     }
     const std::uint8_t* levels = levels_of(slot);
     for (int line = 0; levels != nullptr && line < kBlockVoxels; line += 64) __builtin_prefetch(levels + line, 1);
-    if (!with_bricks) return;
+    if (hits == nullptr) return;
     for (const std::uint32_t brick : map_->header(slot).bricks) {
       if (brick == kNoSlot) continue;
       const std::uint8_t* colours = map_->brick(brick).data();
@@ -113,10 +126,13 @@ class BlockUpdater {
   };
   static constexpr std::uint32_t kNoFlags = 0xFFFFFFFFU;
   static constexpr std::uint32_t kAllFree = 0xFFFFFFFEU;
+  /// Blocks that had their memory come first in every list, those that had to be given some second: the same order
+  /// whether they waited for it or not.
+  enum Turn : std::size_t { kFirst, kSecond };
   struct Lane {
     std::uint32_t waiting = 0;
-    std::uint32_t changed = 0;
-    std::uint32_t shrinking = 0;
+    std::array<std::uint32_t, 2> changed{};
+    std::array<std::uint32_t, 2> shrinking{};
   };
 
   template <typename IsStrong>
@@ -151,17 +167,34 @@ class BlockUpdater {
     const LevelPlane& levels = map_->plane(header.plane);
     const std::uint8_t* hit_flags = hits != nullptr ? hits->flags.data() : kNoHits.data();
     if (!kernels_->any_contested(levels.data(), hit_flags, flags.data())) return;
-    for (std::size_t i = 0; i < flags.size(); ++i) {
-      if (flags[i] != kWeakFree || (levels[i] & kLevelMask) <= kUnknownLevel || hit_flags[i] != 0) continue;
-      if (is_strong(static_cast<int>(i))) flags[i] = kStrongFree;
+    for (std::size_t i = 0; i < flags.size(); i += 8) {
+      std::uint64_t level, hit, free;
+      std::memcpy(&level, levels.data() + i, sizeof level);
+      std::memcpy(&hit, hit_flags + i, sizeof hit);
+      std::memcpy(&free, flags.data() + i, sizeof free);
+      // The highest bit of each byte: the level is above kUnknownLevel, the voxel kWeakFree and not hit.
+      constexpr std::uint64_t kEach = 0x0101010101010101ULL;
+      const std::uint64_t occupied = (level & kEach * kLevelMask) + kEach * (0x7F - kUnknownLevel);
+      const std::uint64_t strong_or_hit = (free & kEach * 2) << 6 | (hit & kEach) << 7 | (hit & kEach * 2) << 6;
+      for (std::uint64_t contested = occupied & (free & kEach) << 7 & ~strong_or_hit & kEach * 0x80; contested != 0;
+           contested &= contested - 1) {
+        const std::size_t place = i + static_cast<std::size_t>(std::countr_zero(contested)) / 8;
+        if (is_strong(static_cast<int>(place))) flags[place] = kStrongFree;
+      }
     }
   }
 
   void submit_uniform(std::uint32_t chunk, BlockKey key, std::uint32_t slot);
   void submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags, HitRecord* hits);
-  void wait(std::uint32_t chunk, const Waiting& waiting);
-  void lower_uniform(std::uint32_t chunk, std::uint32_t slot);
-  void apply_dense(std::uint32_t chunk, std::uint32_t slot, const std::uint8_t* flags, const HitRecord* hits);
+  void wait(std::uint32_t chunk, Waiting waiting, const FreeFlags* flags);
+  /// After hand_out().
+  void apply_waiting(std::uint32_t chunk, const Waiting& waiting, const FreeFlags* flags);
+  void lower_uniform(std::uint32_t chunk, std::uint32_t slot, Turn turn);
+  void apply_dense(std::uint32_t chunk, std::uint32_t slot, const std::uint8_t* flags, const HitRecord* hits,
+                   Turn turn);
+  [[nodiscard]] std::size_t lane_start(std::uint32_t chunk) const {
+    return static_cast<std::size_t>(chunk) * per_chunk_;
+  }
   [[nodiscard]] bool apply_colours(BlockHeader& header, LevelPlane& levels, const HitRecord& hits);
   [[nodiscard]] std::uint8_t bricks_missing(const BlockHeader& header, const HitRecord& hits) const;
   [[nodiscard]] bool hand_out(Waiting& waiting);
@@ -176,12 +209,14 @@ class BlockUpdater {
   std::uint32_t frame_number_ = 0;
   std::uint32_t chunks_ = 0;
   std::uint32_t per_chunk_ = 0;
+  bool at_once_ = false;
+  std::uint32_t refused_ = 0;
   std::size_t most_chunks_;
   std::uint64_t slot_cache_mask_;
   mutable ReservedArray<std::uint32_t> slot_cache_;  ///< by the low bits of the key: a cube of blocks that wraps around
   ReservedArray<Waiting> waiting_;
-  ReservedArray<std::uint32_t> lane_changed_;
-  ReservedArray<std::uint32_t> lane_shrinking_;
+  std::array<ReservedArray<std::uint32_t>, 2> lane_changed_;
+  std::array<ReservedArray<std::uint32_t>, 2> lane_shrinking_;
   ReservedArray<FreeFlags> stored_flags_;
   std::atomic<std::uint32_t> stored_count_{0};
   std::vector<Lane> lanes_;

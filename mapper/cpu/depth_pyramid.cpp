@@ -2,6 +2,7 @@
 #include "mapper/cpu/depth_pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace g3d::mapper::cpu {
 namespace {
@@ -24,26 +25,29 @@ DepthPyramid::DepthPyramid(int width_px, int height_px) {
   }
 }
 
-void DepthPyramid::compute(const RayEnds& ends, ThreadPool& pool) {
+void DepthPyramid::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
   Level& base = levels_[0];
   const int stride = ends.stride();
   const std::uint16_t* image = ends.padded() + kImagePadding * stride + kImagePadding;
   pool.parallel_for(static_cast<std::uint32_t>((base.height + 7) / 8), [&](std::uint32_t chunk) {
+    using HalfRow = std::array<std::uint16_t, hal::kMaxImageSide_px / 2 + 64>;
+    alignas(64) HalfRow upper;
+    alignas(64) HalfRow lower;
+    alignas(64) HalfRow low;
+    alignas(64) HalfRow high;
     const int first = static_cast<int>(chunk) * 8;
     for (int y = first; y < std::min(base.height, first + 8); ++y) {
-      for (int x = 0; x < base.width; ++x) {
-        std::uint16_t low = 0xFFFF;
-        std::uint16_t high = 0;
-        // Cells that stick out over the border see the padding's zeros: a lower minimum is always safe.
-        for (int dy = 0; dy < 4; ++dy) {
-          const std::uint16_t* row = image + (4 * y + dy) * stride + 4 * x;
-          for (int dx = 0; dx < 4; ++dx) {
-            low = std::min(low, row[dx]);
-            high = std::max(high, row[dx]);
-          }
-        }
-        base.cells[static_cast<std::size_t>(y * base.width + x)] = {low, high};
-      }
+      // Cells that stick out over the border see the padding's zeros: a lower minimum is always safe.
+      const std::uint16_t* row = image + 4 * y * stride;
+      const auto shrink = [&](auto halve, HalfRow& out) {
+        halve(row, row + stride, 2 * base.width, upper.data());
+        halve(row + 2 * stride, row + 3 * stride, 2 * base.width, lower.data());
+        halve(upper.data(), lower.data(), base.width, out.data());
+      };
+      shrink(kernels.halve_min_row, low);
+      shrink(kernels.halve_max_row, high);
+      Range* cells = &base.cells[static_cast<std::size_t>(y * base.width)];
+      for (std::size_t x = 0; x < static_cast<std::size_t>(base.width); ++x) cells[x] = {low[x], high[x]};
     }
   });
   for (std::size_t l = 1; l < levels_.size(); ++l) {

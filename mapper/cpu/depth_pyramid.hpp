@@ -15,7 +15,7 @@ class DepthPyramid {
  public:
   DepthPyramid(int width_px, int height_px);
 
-  void compute(const RayEnds& ends, ThreadPool& pool);
+  void compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool);
 
   struct Range {
     std::uint16_t min;

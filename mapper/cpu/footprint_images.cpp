@@ -2,12 +2,15 @@
 #include "mapper/cpu/footprint_images.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace g3d::mapper::cpu {
 namespace {
 
 constexpr int kRowsPerChunk = 64;
+constexpr float kLargestWindow =
+    static_cast<float>(kMaxWindow) + 0.5F;  // cells; larger ones are looked up a level higher
 constexpr int kFirstWindowAbove = 4;  // windows of 1..3 cells of level L are those of 2..6 cells below it, but coarser
 
 std::uint32_t chunks_of(int rows) { return static_cast<std::uint32_t>((rows + kRowsPerChunk - 1) / kRowsPerChunk); }
@@ -35,9 +38,10 @@ FootprintImages::FootprintImages(int width_px, int height_px, float smallest_win
 }
 
 FootprintImages::Choice FootprintImages::choose(float size_px) const {
+  assert(size_px >= smallest_px_);
   int level = 0;
   float cells = size_px;
-  while (cells > static_cast<float>(kMaxWindow) + 0.5F && level + 1 < level_count()) {
+  while (cells > kLargestWindow && level + 1 < level_count()) {
     cells *= 0.5F;
     ++level;
   }
@@ -45,12 +49,14 @@ FootprintImages::Choice FootprintImages::choose(float size_px) const {
   return {level, std::clamp(static_cast<int>(cells + 0.5F), least, kMaxWindow)};
 }
 
-void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool) {
+void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool, float smallest_px) {
   ends_ = ends.padded();
+  smallest_px_ = smallest_px;
   for (int l = 0; l < level_count(); ++l) {
     if (l > 0) halve(l, kernels, pool);
     const int least = l == 0 ? smallest_window_ : kFirstWindowAbove;
-    if (least > kMaxWindow) continue;
+    const bool is_last = l + 1 == level_count();
+    if (least > kMaxWindow || (!is_last && smallest_px > kLargestWindow * static_cast<float>(1 << l))) continue;
     // Doubling up to the smallest window that is asked for, then one cell more each time.
     int have = 1;
     while (have < least) {

@@ -28,7 +28,8 @@ class FootprintImages {
   /// `smallest_window_px`: no smaller footprint will be asked for.
   FootprintImages(int width_px, int height_px, float smallest_window_px);
 
-  void compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool);
+  /// `smallest_px`: no smaller footprint will be asked for in this frame.
+  void compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool, float smallest_px = 0.0F);
 
   struct Choice {
     int level = 0;
@@ -49,6 +50,7 @@ class FootprintImages {
 
   const std::uint16_t* ends_ = nullptr;  ///< level 0, window 1: the ray ends themselves
   int smallest_window_;
+  float smallest_px_ = 0.0F;
   std::vector<FootprintLevel> levels_;
   std::vector<std::vector<std::vector<std::uint16_t>>> images_;  ///< [level][window], window 1 = the ends themselves
 };

@@ -45,13 +45,8 @@ void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const 
                          const Kernels& kernels, ThreadPool& pool) {
   if (pool.threads() == 1) {
     // The same order within each shard as below, without the way through the lists.
-    std::uint32_t last_id = kNoBlock;
-    HitRecord* record = nullptr;
     for (int chunk = 0; chunk < chunks_; ++chunk) {
-      cut_rows(chunk, frame, ends, rgb, kernels, [&](const Run& run) {
-        if (run.block_id != last_id) record = &record_for(last_id = run.block_id);
-        put(run, *record);
-      });
+      cut_rows(chunk, frame, ends, rgb, kernels, [&](const Run& run) { put(run, record_for(run.block_id)); });
     }
     return;
   }
@@ -115,7 +110,6 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
       }
       for (; bits != 0; bits &= bits - 1) {
         const int begin = u + std::countr_zero(bits);
-        if (block_ids[static_cast<std::size_t>(begin)] == kNoBlock) continue;
         std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
         if (colours != nullptr) {
           const std::uint8_t* colour = colours + 3 * begin;
@@ -141,7 +135,7 @@ void HitScatter::collect(int chunk, const FrameGeometry& frame, const RayEnds& e
 
 HitRecord& HitScatter::record_for(std::uint32_t block_id) {
   std::uint32_t& index = record_of_block_[block_id];
-  if (index == 0) {
+  if (index == 0) [[unlikely]] {
     index = record_count_.fetch_add(1, std::memory_order_relaxed) + 1;
     HitRecord& fresh = records_[index - 1];
     fresh.block_id = block_id;
@@ -154,14 +148,11 @@ HitRecord& HitScatter::record_for(std::uint32_t block_id) {
 }
 
 void HitScatter::scatter_shard(int shard) {
-  std::uint32_t last_id = kNoBlock;
-  HitRecord* record = nullptr;
   for (int chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t which = static_cast<std::size_t>(chunk) * kShards + static_cast<std::size_t>(shard);
     const Run* run = &runs_[which * runs_per_list_];
     for (const Run* end = run + run_counts_[which]; run != end; ++run) {
-      if (run->block_id != last_id) record = &record_for(last_id = run->block_id);
-      put(*run, *record);
+      put(*run, record_for(run->block_id));
     }
   }
 }

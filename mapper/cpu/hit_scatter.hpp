@@ -44,6 +44,7 @@ class HitScatter {
     const std::uint32_t index = record_of_block_[block_id];
     return index == 0 ? nullptr : &records_[index - 1];
   }
+  void prefetch(std::uint32_t block_id) const { __builtin_prefetch(&record_of_block_[block_id]); }
   /// Records of one shard in a fixed order.
   [[nodiscard]] std::span<const std::uint32_t> shard(int s) const {
     return {shard_records_[static_cast<std::size_t>(s)].data(), shard_counts_[static_cast<std::size_t>(s)]};
@@ -64,7 +65,9 @@ class HitScatter {
     // Where no colour is known yet the run's is a proposal that counts only once the flag says so.
     const std::uint8_t old_flags = record.flags[run.place];
     std::uint32_t& colour = record.rgb[run.place];
-    colour = (old_flags & kColourFlag) != 0 ? colour : run.rgb_flags;
+    // By arithmetic: whether a voxel was hit before cannot be guessed, and a branch on it costs more than all the rest.
+    const std::uint32_t keep = 0U - static_cast<std::uint32_t>((old_flags & kColourFlag) / kColourFlag);
+    colour = (colour & keep) | (run.rgb_flags & ~keep);
     record.flags[run.place] = static_cast<std::uint8_t>(old_flags | (run.rgb_flags >> 24));
   }
   /// emit(Run) for every run of a chunk of rows that holds readings, in pixel order.

@@ -13,6 +13,15 @@ float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& t
   return tuning.window_scale * sensor.camera.fx_px * sensor.resolution_m / far_m;
 }
 
+// Bricks of 4x4x4 voxels that begin farther than the camera trusts are hidden; the others are looked up by their
+// middle.
+float smallest_footprint_px(const SensorGeometry& sensor, const FrameGeometry& frame, const ProjectiveFrame& numbers) {
+  const auto& R = frame.rotation;
+  const float half_brick_m = 2.0F * sensor.resolution_m * (std::abs(R[2]) + std::abs(R[5]) + std::abs(R[8]));
+  const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
+  return numbers.window_px_m / (far_m + 1.01F * half_brick_m);
+}
+
 }  // namespace
 
 ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
@@ -34,7 +43,7 @@ ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeomet
   numbers.bottom_px = static_cast<float>(camera.height_px - 1) - camera.cy_px;
   // A plane through the camera and an image border has the normal (f, -border); the cube reaches across it by half the
   // sum of its edges' components along that normal.
-  const float half_m = 0.5F * tuning.border_scale * sensor.resolution_m;
+  const float half_m = 0.5F * sensor.resolution_m;
   const auto reach = [&](std::size_t axis, float f, float border) {
     return half_m * (std::abs(f * R[axis] - border * R[2]) + std::abs(f * R[3 + axis] - border * R[5]) +
                      std::abs(f * R[6 + axis] - border * R[8]));
@@ -165,14 +174,14 @@ bool Projective::is_strong(const FrameWork& work, const ProjectiveFrame& numbers
 }
 
 void Projective::offer(const FrameWork& work) {
-  images_.compute(work.ends, work.kernels, work.pool);
+  const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
+  images_.compute(work.ends, work.kernels, work.pool, smallest_footprint_px(work.sensor, work.frame, numbers));
   fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
-  const ProjectiveFrame numbers = projective_frame(work.sensor, work.frame, tuning_);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m, numbers.bias_m);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
-                     visible.blocks_per_chunk());
+                     visible.blocks_per_chunk(), work.pool.threads() == 1);
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
     BlockKey key = 0;
     std::uint32_t slot = kNoSlot;
@@ -183,8 +192,12 @@ void Projective::offer(const FrameWork& work) {
       hits = work.hits.find(work.frame.block_id(bx, by, bz));
       return hits != nullptr || !work.updater.is_settled(slot);
     };
-    visible.for_chunk(chunk, wants, [&](const BlockView& block, BlockClass found) {
-      work.updater.prefetch(key, slot, hits != nullptr);
+    const auto soon = [&](int bx, int by, int bz) {
+      work.updater.prefetch_header(work.frame.block_key(bx, by, bz));
+      work.hits.prefetch(work.frame.block_id(bx, by, bz));
+    };
+    visible.for_chunk(chunk, soon, wants, [&](const BlockView& block, BlockClass found) {
+      work.updater.prefetch(key, slot, hits);
       const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
       if (found == BlockClass::all_free) {
         work.updater.offer_all_free(chunk, key, hits, strong);

@@ -15,7 +15,6 @@ namespace g3d::mapper::cpu {
 /// How the projective test imitates exact rays; measured against `dda` (tests/bench/agreement_bench.cpp).
 struct ProjectiveTuning {
   float window_scale = 0.95F;     ///< side of the window / side of a square as large as the voxel's silhouette
-  float border_scale = 1.0F;      ///< share of a voxel's half silhouette that must reach into the image
   float far_bias_chords = -0.4F;  ///< the same as bias_chords against the ends of far readings, which are no surface
   float bias_chords = 0.4F;       ///< how far beyond a voxel's centre a ray must reach, in mean chords of the voxel
 };

@@ -104,11 +104,12 @@ void RayGrid::offer(const FrameWork& work) {
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
-                     visible.blocks_per_chunk());
+                     visible.blocks_per_chunk(), work.pool.threads() == 1);
+  const auto soon = [&](int bx, int by, int bz) { work.updater.prefetch_header(work.frame.block_key(bx, by, bz)); };
   const auto every = [](int, int, int) { return true; };  // even where nothing can change the marks must be wiped
   const auto known = [](int) { return false; };           // rays already say which marks are strong
   work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
-    visible.for_chunk(chunk, every, [&](const BlockView& block, BlockClass) {
+    visible.for_chunk(chunk, soon, every, [&](const BlockView& block, BlockClass) {
       const BlockKey key = work.frame.block_key(block.bx, block.by, block.bz);
       HitRecord* hits = work.hits.find(work.frame.block_id(block.bx, block.by, block.bz));
       alignas(64) FreeFlags flags;

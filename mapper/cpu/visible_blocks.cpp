@@ -63,6 +63,24 @@ BoxView VisibleBlocks::box_view(int side_cells) const {
   view.near_plane_m = 2.0F * sensor_->resolution_m;
   view.far_m = static_cast<float>(sensor_->far_raw) * sensor_->metres_per_unit;
   view.window_px_m = footprint_px_m_;
+  view.left_px = -camera.cx_px;
+  view.right_px = static_cast<float>(camera.width_px - 1) - camera.cx_px;
+  view.top_px = -camera.cy_px;
+  view.bottom_px = static_cast<float>(camera.height_px - 1) - camera.cy_px;
+  // Rounding moves a voxel by less than this; walking from voxel to voxel strays from the ray by up to one (bresenham).
+  const float slack_px_m = 1e-5F * camera.fx_px * view.far_m;
+  const auto set_reach = [&](std::size_t i, std::size_t axis, float f, float border) {
+    const float cell_px_m = 0.5F * sensor_->resolution_m *
+                            (std::abs(f * R[axis] - border * R[2]) + std::abs(f * R[3 + axis] - border * R[5]) +
+                             std::abs(f * R[6 + axis] - border * R[8]));
+    const int strays_cells = footprint_px_m_ > 0.0F ? 0 : 3;
+    view.outer_px_m[i] = static_cast<float>(side_cells + strays_cells) * cell_px_m + slack_px_m;
+    view.inner_px_m[i] = static_cast<float>(side_cells - 2) * cell_px_m + slack_px_m;
+  };
+  set_reach(0, 0, camera.fx_px, view.left_px);
+  set_reach(1, 0, camera.fx_px, view.right_px);
+  set_reach(2, 1, camera.fy_px, view.top_px);
+  set_reach(3, 1, camera.fy_px, view.bottom_px);
   return view;
 }
 
@@ -81,23 +99,36 @@ std::array<BlockClass, 8> VisibleBlocks::classify_bricks(const BlockView& block)
   }
   kernels_->bound_boxes(brick_view_, 8, boxes);
   std::array<BlockClass, 8> classes;
-  for (int i = 0; i < 8; ++i) classes[static_cast<std::size_t>(i)] = decide(boxes, i, brick_view_);
+  const float half_z_m = brick_view_.half_z_m;
+  for (int i = 0; i < 8; ++i) {
+    BlockClass& found = classes[static_cast<std::size_t>(i)];
+    BlockView rays;
+    // What holds for the rays of the block holds for those of its bricks.
+    if (block.farthest_m < boxes.z_m[i] - half_z_m) {
+      found = BlockClass::hidden;
+    } else if (block.nearest_m > behind_m(boxes.z_m[i], half_z_m)) {
+      found = BlockClass::all_free;
+    } else {
+      found = decide(boxes, i, brick_view_, rays);
+    }
+  }
   return classes;
 }
 
-BlockClass VisibleBlocks::decide(const BoxBounds& boxes, int i, const BoxView& view) const {
+BlockClass VisibleBlocks::decide(const BoxBounds& boxes, int i, const BoxView& view, BlockView& rays) const {
   if (boxes.hidden[i] != 0) return BlockClass::hidden;
   const DepthPyramid::Range ends = pyramid_->range(boxes.u0[i], boxes.v0[i], boxes.u1[i], boxes.v1[i]);
-  const float farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
-  if (ends.max == 0 || farthest_m < boxes.z_m[i] - view.half_z_m) return BlockClass::hidden;
+  rays.farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
+  if (ends.max == 0 || rays.farthest_m < boxes.z_m[i] - view.half_z_m) return BlockClass::hidden;
   const bool is_inside = boxes.inside[i] != 0;
-  if (!is_inside) return BlockClass::look_at_border;
+  if (!is_inside) return boxes.clear[i] != 0 ? BlockClass::look : BlockClass::look_at_border;
   // Every window contains its voxel's own pixel: if the rays of all these reach beyond the cube, all voxels are free.
-  const float behind_m = boxes.z_m[i] + view.half_z_m + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit;
-  if (farthest_m <= behind_m) return BlockClass::look;
+  const float behind = behind_m(boxes.z_m[i], view.half_z_m);
+  if (rays.farthest_m <= behind && &view != &block_view_) return BlockClass::look;
   const DepthPyramid::Range own =
       pyramid_->range(boxes.centre_u0[i], boxes.centre_v0[i], boxes.centre_u1[i], boxes.centre_v1[i]);
-  return static_cast<float>(own.min) * sensor_->metres_per_unit > behind_m ? BlockClass::all_free : BlockClass::look;
+  rays.nearest_m = static_cast<float>(own.min) * sensor_->metres_per_unit;
+  return rays.nearest_m > behind ? BlockClass::all_free : BlockClass::look;
 }
 
 }  // namespace g3d::mapper::cpu

@@ -28,6 +28,9 @@ struct BlockView {
   float x_m = 0;
   float y_m = 0;
   float z_m = 0;
+  // What is known of the rays that pass it, where its class is `look`
+  float farthest_m = 3.4e38F;  ///< no ray that any of its voxels looks at ends beyond
+  float nearest_m = -3.4e38F;  ///< no ray through a voxel's middle ends nearer
 };
 
 class VisibleBlocks {
@@ -42,9 +45,10 @@ class VisibleBlocks {
   [[nodiscard]] std::uint32_t blocks_per_chunk() const { return static_cast<std::uint32_t>(supers_[0]) * 64U; }
 
   /// visit(BlockView, BlockClass) for every block of the chunk that is not hidden, in a fixed order. `wants(bx, by,
-  /// bz)` is asked before a block is looked at more closely; what it declines is not visited.
-  template <typename Wants, typename Visit>
-  void for_chunk(std::uint32_t chunk, Wants&& wants, Visit&& visit) const {
+  /// bz)` is asked before a block is looked at more closely; what it declines is not visited. `soon(bx, by, bz)` comes
+  /// some blocks earlier, so that memory can be on its way.
+  template <typename Soon, typename Wants, typename Visit>
+  void for_chunk(std::uint32_t chunk, Soon&& soon, Wants&& wants, Visit&& visit) const {
     const int sy = static_cast<int>(chunk) % supers_[1];
     const int sz = static_cast<int>(chunk) / supers_[1];
     BoxBounds boxes;
@@ -54,7 +58,8 @@ class VisibleBlocks {
       boxes.y_m[0] = first.y_m + super_middle_m_[1];
       boxes.z_m[0] = first.z_m + super_middle_m_[2];
       kernels_->bound_boxes(super_view_, 1, boxes);
-      const BlockClass super = decide(boxes, 0, super_view_);
+      BlockView rays;
+      const BlockClass super = decide(boxes, 0, super_view_, rays);
       if (super == BlockClass::hidden) continue;
       for (std::size_t i = 0; i < 64; ++i) {
         boxes.x_m[i] = first.x_m + block_middle_m_[0][i];
@@ -62,15 +67,26 @@ class VisibleBlocks {
         boxes.z_m[i] = first.z_m + block_middle_m_[2][i];
       }
       if (super != BlockClass::all_free) kernels_->bound_boxes(block_view_, 64, boxes);
+      std::array<std::uint8_t, 64> candidates;
+      std::size_t count = 0;
       for (int i = 0; i < 64; ++i) {
         const int bx = 4 * sx + (i & 3);
         const int by = 4 * sy + ((i >> 2) & 3);
         const int bz = 4 * sz + (i >> 4);
         if (bx >= frame_->nx_blocks || by >= frame_->ny_blocks || bz >= frame_->nz_blocks) continue;
         if (super != BlockClass::all_free && boxes.hidden[i] != 0) continue;
+        soon(bx, by, bz);
+        candidates[count++] = static_cast<std::uint8_t>(i);
+      }
+      for (std::size_t c = 0; c < count; ++c) {
+        const int i = candidates[c];
+        const int bx = 4 * sx + (i & 3);
+        const int by = 4 * sy + ((i >> 2) & 3);
+        const int bz = 4 * sz + (i >> 4);
         if (!wants(bx, by, bz)) continue;
-        const BlockClass found = super == BlockClass::all_free ? super : decide(boxes, i, block_view_);
-        if (found != BlockClass::hidden) visit(view(bx, by, bz), found);
+        BlockView block = view(bx, by, bz);
+        const BlockClass found = super == BlockClass::all_free ? super : decide(boxes, i, block_view_, block);
+        if (found != BlockClass::hidden) visit(block, found);
       }
     }
   }
@@ -82,7 +98,13 @@ class VisibleBlocks {
 
  private:
   [[nodiscard]] BoxView box_view(int side_cells) const;
-  [[nodiscard]] BlockClass decide(const BoxBounds& boxes, int i, const BoxView& view) const;
+  /// Every window contains its voxel's own pixel: if the rays of all these reach beyond a cube by this, all its voxels
+  /// are free.
+  [[nodiscard]] float behind_m(float z_m, float half_z_m) const {
+    return z_m + half_z_m + std::max(bias_m_, 0.0F) + sensor_->metres_per_unit;
+  }
+  /// `rays`: gets farthest_m and nearest_m.
+  [[nodiscard]] BlockClass decide(const BoxBounds& boxes, int i, const BoxView& view, BlockView& rays) const;
 
   const SensorGeometry* sensor_;
   const FrameGeometry* frame_;

@@ -93,7 +93,10 @@ TEST_CASE("the average of two colours rounds up, keeps constants and never darke
       const int mean = blend_channel(static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b));
       REQUIRE(2 * mean - a - b >= 0);
       REQUIRE(2 * mean - a - b <= 1);
+      const auto all = static_cast<std::uint32_t>(mean << 16 | mean << 8 | mean);
+      REQUIRE(blend_rgb(0x010101U * static_cast<std::uint32_t>(a), 0x010101U * static_cast<std::uint32_t>(b)) == all);
     }
     REQUIRE(blend_channel(static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(a)) == a);
   }
+  CHECK(blend_rgb(0x00FF10U, 0xFF0021U) == 0x808019U);
 }

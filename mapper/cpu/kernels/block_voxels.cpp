@@ -28,10 +28,20 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes) {
     const float right = b.fx_px * x_high * (x_high > 0 ? inverse_low : inverse_high) + b.cx_px;
     const float top = b.fy_px * y_low * (y_low < 0 ? inverse_low : inverse_high) + b.cy_px;
     const float bottom = b.fy_px * y_high * (y_high > 0 ? inverse_low : inverse_high) + b.cy_px;
-    const bool beside = (right + reach_px < 0.0F) | (left - reach_px > b.last_u_px) | (bottom + reach_px < 0.0F) |
-                        (top - reach_px > b.last_v_px);
+    const float x_px_m = b.fx_px * boxes.x_m[i];
+    const float y_px_m = b.fy_px * boxes.y_m[i];
+    const float from_left = x_px_m - b.left_px * boxes.z_m[i];
+    const float from_right = b.right_px * boxes.z_m[i] - x_px_m;
+    const float from_top = y_px_m - b.top_px * boxes.z_m[i];
+    const float from_bottom = b.bottom_px * boxes.z_m[i] - y_px_m;
+    const bool beside = (from_left < -b.outer_px_m[0]) | (from_right < -b.outer_px_m[1]) |
+                        (from_top < -b.outer_px_m[2]) | (from_bottom < -b.outer_px_m[3]);
+    boxes.clear[i] = (from_left >= b.inner_px_m[0]) & (from_right >= b.inner_px_m[1]) & (from_top >= b.inner_px_m[2]) &
+                             (from_bottom >= b.inner_px_m[3])
+                         ? 1
+                         : 0;
     const bool within = (left >= 0.0F) & (right <= b.last_u_px) & (top >= 0.0F) & (bottom <= b.last_v_px);
-    boxes.hidden[i] = (z_high <= 0.0F) | (z_low > b.far_m) | (projects & beside) ? 1 : 0;
+    boxes.hidden[i] = (z_high <= 0.0F) | (z_low > b.far_m) | beside ? 1 : 0;
     boxes.inside[i] = projects & within ? 1 : 0;
     const float around_px = within ? near_px : reach_px;
     const float u0 = std::min(std::max(left - around_px, 0.0F), b.last_u_px);

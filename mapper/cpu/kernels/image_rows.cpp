@@ -120,9 +120,10 @@ void unproject_row(const UnprojectRow& row) {
         block_id[u] << 10 | static_cast<std::uint32_t>(place[u]) << 1 | static_cast<std::uint32_t>(colour_flag[u] >> 1);
   }
   std::uint8_t* __restrict starts = row.starts;
-  starts[0] = 1;
+  starts[0] = block_id[0] != kNoBlock ? 1 : 0;
   for (int u = 1; u < r.width; ++u) {
-    starts[u] = static_cast<std::uint8_t>((code[u] != code[u - 1]) | (block_id[u] != block_id[u - 1]));
+    const bool differs = (code[u] != code[u - 1]) | (block_id[u] != block_id[u - 1]);
+    starts[u] = static_cast<std::uint8_t>(differs & (block_id[u] != kNoBlock));
   }
 }
 

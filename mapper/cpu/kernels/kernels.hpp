@@ -56,7 +56,7 @@ struct UnprojectRow {
   std::uint16_t* place;             ///< out: M & 511
   const std::uint8_t* colour_flag;  ///< from ClassifyRow
   std::uint32_t* code;              ///< out: block_id << 10 | place << 1 | whether the flag is set
-  std::uint8_t* starts;  ///< out: 1 where the voxel or the colour flag differs from those of the pixel before
+  std::uint8_t* starts;  ///< out: 1 at trusted readings whose voxel or colour flag is not that of the pixel before
 };
 /// Boxes with more blocks have voxels that share a code.
 inline constexpr std::uint32_t kMostCodedBlocks = 1U << 22;
@@ -159,6 +159,14 @@ struct BoxView {
   float near_plane_m;  ///< nearer cubes are not projected: they may cover the whole image
   float far_m;
   float window_px_m;  ///< a voxel at depth z is looked up in a window of about window_px_m / z pixels
+  // A plane through the camera and the image's left, right, upper or lower border has the normal (f, -border); centre
+  // times normal below -outer_px_m: wholly outside; at least inner_px_m: each of its voxels reaches into the image.
+  float left_px;  ///< the borders, counted from the principal point
+  float right_px;
+  float top_px;
+  float bottom_px;
+  float outer_px_m[4];
+  float inner_px_m[4];
 };
 
 /// Camera-frame centres of up to 64 cubes, and what their projections cover.
@@ -176,6 +184,7 @@ struct BoxBounds {
   alignas(64) std::int32_t centre_v1[kMostBoxes];
   alignas(64) std::int32_t hidden[kMostBoxes];  ///< 1: outside of the frustum
   alignas(64) std::int32_t inside[kMostBoxes];  ///< 1: wholly within the image
+  alignas(64) std::int32_t clear[kMostBoxes];   ///< 1: no voxel has to be tested against the image's border
 };
 
 struct Kernels {

@@ -74,7 +74,7 @@ struct Scene {
 
   void apply(std::vector<Evidence>& all, BlockUpdater& updater, bool with_colour, ThreadPool& pool,
              std::uint32_t number) const {
-    updater.begin(frame, with_colour, best_kernels(), number, kChunks, kBlocksPerChunk);
+    updater.begin(frame, with_colour, best_kernels(), number, kChunks, kBlocksPerChunk, pool.threads() == 1);
     pool.parallel_for(kChunks, [&](std::uint32_t chunk) {
       for (Evidence& e : all) {
         if (e.chunk != chunk) continue;
@@ -191,28 +191,35 @@ TEST_CASE("memory that is no longer needed is given back") {
   CHECK(updater.is_settled(updater.slot_of(scene.frame.block_key(0))));
 }
 
-TEST_CASE("what a full pool refuses is counted, and does not depend on the number of threads", "[threads]") {
+TEST_CASE("what a full pool refuses and what changed, in which order, does not depend on the number of threads",
+          "[threads]") {
   for (const MapCapacity& capacity :
        {MapCapacity{10, 99, 999}, MapCapacity{99, 7, 999}, MapCapacity{99, 99, 9}, MapCapacity{0, 0, 0}}) {
     std::set<std::string> hashes;
     std::set<std::uint32_t> refusals;
+    std::set<std::vector<std::uint32_t>> changes;
     for (const int threads : {1, 2, 4}) {
       Scene scene(9);
       VoxelMap map(Grid{0.1F}, capacity);
       BlockUpdater updater(map, scene.sensor, {});
       ThreadPool pool(threads);
       std::uint32_t refused = 0;
+      std::vector<std::uint32_t> changed;
       for (std::uint32_t number = 1; number <= 20; ++number) {
         auto all = scene.next();
         scene.apply(all, updater, true, pool, number);
         refused += updater.finish(pool);
+        const auto slots = updater.changed_slots();
+        changed.insert(changed.end(), slots.begin(), slots.end());
       }
+      changes.insert(std::move(changed));
       hashes.insert(map_hash(map));
       refusals.insert(refused);
       CHECK(map.block_count() <= capacity.blocks);
     }
     CHECK(hashes.size() == 1);
     CHECK(refusals.size() == 1);
+    CHECK(changes.size() == 1);
     CHECK(*refusals.begin() > 0);
   }
 }

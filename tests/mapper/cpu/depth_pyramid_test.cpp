@@ -39,7 +39,7 @@ TEST_CASE("a range bounds the ends of its window, and is not wider than that of 
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       const hal::Frame frame = test::random_frame(camera, seed);
       ends.compute(frame.depth.get(), best_kernels(), pool);
-      pyramid.compute(ends, pool);
+      pyramid.compute(ends, best_kernels(), pool);
       int too_tight = 0;
       int too_wide = 0;
       for (int i = 0; i < 1500; ++i) {
@@ -73,7 +73,7 @@ TEST_CASE("a single near pixel is in the minimum of its own window and of none f
   std::vector<std::uint16_t> depth(camera.pixel_count(), 3000);
   depth[static_cast<std::size_t>(60 * camera.width_px + 80)] = 1000;
   ends.compute(depth.data(), best_kernels(), pool);
-  pyramid.compute(ends, pool);
+  pyramid.compute(ends, best_kernels(), pool);
   CHECK(pyramid.range(80, 60, 80, 60).min == 1000);
   CHECK(pyramid.range(0, 0, 159, 119).min <= 1000);
   CHECK(pyramid.range(72, 60, 75, 63).min == 3000);

@@ -45,7 +45,7 @@ std::string hash_with(const Kernels& kernels, const MapperConfig& config, const 
     ends.compute(frame.depth.get(), kernels, pool);
     hits.clear();
     hits.compute(*geometry, ends, frame.rgb.get(), kernels, pool);
-    pyramid.compute(ends, pool);
+    pyramid.compute(ends, best_kernels(), pool);
     projective.offer({sensor, *geometry, ends, pyramid, hits, updater, kernels, pool, true, ++number});
     for (int s = 0; s < HitScatter::kShards; ++s) {
       for (const std::uint32_t index : hits.shard(s)) {

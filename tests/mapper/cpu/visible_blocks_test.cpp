@@ -36,7 +36,7 @@ struct View {
         pyramid(camera.width_px, camera.height_px) {
     if (seed % 5 == 0) std::fill_n(image.depth.get(), camera.pixel_count(), std::uint16_t{3200});  // a bare wall
     ends.compute(image.depth.get(), best_kernels(), pool);
-    pyramid.compute(ends, pool);
+    pyramid.compute(ends, best_kernels(), pool);
   }
 
   /// Which voxels are free, by block.
@@ -61,7 +61,7 @@ std::map<std::uint32_t, Visit> classes_of(const VisibleBlocks& visible, const Fr
   std::map<std::uint32_t, Visit> classes;
   for (std::uint32_t chunk = 0; chunk < visible.chunk_count(); ++chunk) {
     visible.for_chunk(
-        chunk, [](int, int, int) { return true; },
+        chunk, [](int, int, int) {}, [](int, int, int) { return true; },
         [&](const BlockView& block, BlockClass found) {
           classes[frame.block_id(block.bx, block.by, block.bz)] = {block, found};
         });
@@ -135,15 +135,20 @@ TEST_CASE("the chunks visit no block twice, and none that nobody wants") {
   for (std::uint32_t chunk = 0; chunk < visible.chunk_count(); ++chunk) {
     std::uint32_t in_chunk = 0;
     visible.for_chunk(
-        chunk, [](int, int, int) { return true; },
+        chunk, [](int, int, int) {}, [](int, int, int) { return true; },
         [&](const BlockView& block, BlockClass found) {
           ++in_chunk;
           CHECK(found != BlockClass::hidden);
           CHECK(visited.insert(view.frame.block_id(block.bx, block.by, block.bz)).second);
         });
     CHECK(in_chunk <= visible.blocks_per_chunk());
+    std::set<std::uint32_t> announced;
     visible.for_chunk(
-        chunk, [](int bx, int, int) { return bx % 2 == 1; },
+        chunk, [&](int bx, int by, int bz) { announced.insert(view.frame.block_id(bx, by, bz)); },
+        [&](int bx, int by, int bz) {
+          CHECK(announced.count(view.frame.block_id(bx, by, bz)) == 1);
+          return bx % 2 == 1;
+        },
         [&](const BlockView& block, BlockClass) { odd.insert(view.frame.block_id(block.bx, block.by, block.bz)); });
   }
   CHECK(visited.size() > 100);

@@ -142,6 +142,7 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
   Random random(4);
   int hidden = 0;
   int inside = 0;
+  int clear = 0;
   for (int round = 0; round < 60; ++round) {
     BoxView view{};
     view.half_x_m = between(random, 0.05, 0.4);
@@ -156,6 +157,18 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
     view.near_plane_m = 0.1F;
     view.far_m = 3.5F;
     view.window_px_m = between(random, 0, 8);
+    // Planes through the camera and the image's borders, against cubes along the camera's axes.
+    view.left_px = -view.cx_px;
+    view.right_px = view.last_u_px - view.cx_px;
+    view.top_px = -view.cy_px;
+    view.bottom_px = view.last_v_px - view.cy_px;
+    const auto reach_px_m = [&](float f, float half_m, float border) {
+      return f * half_m + std::abs(border) * view.half_z_m + 0.005F;
+    };
+    view.outer_px_m[0] = view.inner_px_m[0] = reach_px_m(view.fx_px, view.half_x_m, view.left_px);
+    view.outer_px_m[1] = view.inner_px_m[1] = reach_px_m(view.fx_px, view.half_x_m, view.right_px);
+    view.outer_px_m[2] = view.inner_px_m[2] = reach_px_m(view.fy_px, view.half_y_m, view.top_px);
+    view.outer_px_m[3] = view.inner_px_m[3] = reach_px_m(view.fy_px, view.half_y_m, view.bottom_px);
     const int count = round % 3 == 0 ? 1 : round % 3 == 1 ? 8 : 64;
     BoxBounds at{};
     for (std::size_t i = 0; i < 64; ++i) {
@@ -171,6 +184,7 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
       const auto end = static_cast<std::size_t>(count);
       for (std::size_t i = 0; i < end; ++i) {
         REQUIRE((found.hidden[i] == first.hidden[i] && found.inside[i] == first.inside[i]));
+        REQUIRE(found.clear[i] == first.clear[i]);
         REQUIRE((found.u0[i] == first.u0[i] && found.u1[i] == first.u1[i]));
         REQUIRE((found.v0[i] == first.v0[i] && found.v1[i] == first.v1[i]));
       }
@@ -184,10 +198,11 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
       if (!in_front) {
         REQUIRE(first.inside[i] == 0);
         REQUIRE((first.u0[i] == 0 && first.u1[i] == 159 && first.v0[i] == 0 && first.v1[i] == 119));
-        REQUIRE((first.hidden[i] == 1) == (at.z_m[i] + view.half_z_m <= 0.0F));
+        if (at.z_m[i] + view.half_z_m <= 0.0F) REQUIRE(first.hidden[i] == 1);
         continue;
       }
       bool corner_in_image = false;
+      bool all_in_image = true;
       for (int corner = 0; corner < 8; ++corner) {
         const float x = at.x_m[i] + (corner % 2 == 0 ? -view.half_x_m : view.half_x_m);
         const float y = at.y_m[i] + (corner / 2 % 2 == 0 ? -view.half_y_m : view.half_y_m);
@@ -196,6 +211,7 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
         const float v = view.fy_px * y / z + view.cy_px;
         const bool in_image = u >= 0 && u <= 159 && v >= 0 && v <= 119;
         corner_in_image |= in_image;
+        all_in_image &= in_image;
         if (first.inside[i] != 0) REQUIRE((u > -0.01F && u < 159.01F && v > -0.01F && v < 119.01F));
         if (!in_image) continue;
         const float window_px = 0.5F * view.window_px_m / z;
@@ -204,12 +220,15 @@ TEST_CASE("bound_boxes covers the projections of all corners, and every variant 
         REQUIRE(static_cast<float>(first.v0[i]) <= std::max(0.0F, v - window_px));
         REQUIRE(static_cast<float>(first.v1[i]) >= std::floor(std::min(119.0F, v + window_px)));
       }
+      clear += first.clear[i];
+      if (first.clear[i] != 0) REQUIRE(all_in_image);
       if (corner_in_image && at.z_m[i] - view.half_z_m <= view.far_m) REQUIRE(first.hidden[i] == 0);
       if (at.z_m[i] - view.half_z_m > view.far_m) REQUIRE(first.hidden[i] == 1);
     }
   }
   CHECK(hidden > 50);
   CHECK(inside > 50);
+  CHECK(clear > 50);
 }
 
 TEST_CASE("apply_block moves each voxel by the update rules, with all steps") {

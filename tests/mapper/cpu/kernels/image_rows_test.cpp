@@ -195,8 +195,9 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
               REQUIRE(frame->block_key(ids[u]) == code >> kBlockShift);
               REQUIRE(places[u] == (code & kPlaceMask));
             }
-            const bool starts_here =
+            const bool differs =
                 u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1] || flags[u] != flags[u - 1];
+            const bool starts_here = trusted && differs;
             REQUIRE(starts[u] == (starts_here ? 1 : 0));
             REQUIRE(codes[u] ==
                     (ids[u] << 10 | static_cast<std::uint32_t>(places[u]) << 1 | (flags[u] != 0 ? 1U : 0U)));
