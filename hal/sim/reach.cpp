@@ -120,13 +120,20 @@ std::vector<std::uint8_t> reachable_cells(const FloorContact& floor, const PlanF
 Result<std::vector<PlanarPose>> choose_starts(const World& world, std::size_t count, std::uint64_t seed,
                                               const ReachOptions& options) {
   const auto& named = world.starts();
+  const FloorContact floor(world);
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (fits(floor, named[i].x_m, named[i].y_m, options)) continue;
+    return Error{Reason::bad_usage,
+                 fmt::format("a robot of {:.2f} m does not fit at start {} of the world, ({:.2f}, {:.2f}); "
+                             "move it away from what stands there",
+                             2.0 * options.radius_m, i + 1, named[i].x_m, named[i].y_m)};
+  }
   if (seed == 1 && named.size() >= count) {
     return std::vector<PlanarPose>(named.begin(), named.begin() + static_cast<std::ptrdiff_t>(count));
   }
   const auto frame = plan_frame(world);
   if (!frame) return frame.error();
   const PlanFrame& plan = frame.value();
-  const FloorContact floor(world);
   SeededRandom random(seed);
   const auto draw = [&] {
     return std::pair(static_cast<int>(random.bits() % static_cast<std::uint64_t>(plan.columns)),

@@ -54,7 +54,8 @@ struct ReachOptions {
 
 /// `count` poses for robots. Seed 1 takes the world's own starts as far as there are enough of them. Other seeds draw
 /// reachable places with 10 cm to spare and any heading; so does seed 1 where the world names no start: then from the
-/// widest connected part of the floor that some tries find. No two nearer than 0.6 m.
+/// widest connected part of the floor that some tries find. No two nearer than 0.6 m. A start of
+/// the world that has no room for a robot is an error (bad_usage).
 [[nodiscard]] Result<std::vector<PlanarPose>> choose_starts(const World& world, std::size_t count, std::uint64_t seed,
                                                             const ReachOptions& options = {});
 

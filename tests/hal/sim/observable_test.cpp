@@ -87,3 +87,11 @@ TEST_CASE("people are left out, a hole has no free cells") {
   CHECK(hole.at(-0.5, 0) == SeenCell::free);
   CHECK(hole.at(1.0, 0) == SeenCell::not_observable);
 }
+
+TEST_CASE("coverage is the known share of what is observable") {
+  const Truth truth(kRoom);
+  CHECK(coverage(truth.all, [](double, double) { return true; }) == 1.0);
+  CHECK(coverage(truth.all, [](double, double) { return false; }) == 0.0);
+  CHECK(coverage(truth.all, [](double x_m, double) { return x_m < 0.0; }) == Approx(0.5).margin(0.001));
+  CHECK(coverage(Truth("room 0 0 0  0.5 0.5 2.5 0.1\n").all, [](double, double) { return false; }) == 1.0);
+}

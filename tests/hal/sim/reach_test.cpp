@@ -78,3 +78,13 @@ TEST_CASE("a world without starts is entered in its widest part, a full one is r
   CHECK(choose_starts(full, 1, 3).ok());
   CHECK(choose_starts(full, 2, 3).error().reason == Reason::no_capacity);
 }
+
+TEST_CASE("a start within a wall is refused, and named") {
+  const World world = parse_world("room 0 0 0  4 4 2.5 0.1\nstart 0 0 0\nstart 1.9 0 0\n", "w").value();
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const auto starts = choose_starts(world, 1, seed);
+    REQUIRE_FALSE(starts.ok());
+    CHECK(starts.error().reason == Reason::bad_usage);
+    CHECK_THAT(starts.error().text, Catch::Matchers::Contains("start 2 of the world, (1.90, 0.00)"));
+  }
+}
