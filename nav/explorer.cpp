@@ -14,10 +14,14 @@
 #include "nav/viewpoints.hpp"
 
 namespace g3d::nav {
-extern double g_tune[16];
 namespace {
 
 constexpr TimeNs kReplanPeriod_ns = 1'000'000'000;
+constexpr double kHope_m = 0.8;
+constexpr double kDropShare = 0.2;        ///< a goal that promises less than this of what it did is dropped
+constexpr std::size_t kFewChanges = 300;  ///< cells; with fewer, a plan is kept for up to kKeepPlan_ns
+constexpr TimeNs kKeepPlan_ns = 10'000'000'000;
+constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at before poorer ones
 constexpr double kTurnAround_rad = 6.283185307179586;
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
@@ -46,7 +50,8 @@ struct Explorer::State {
   [[nodiscard]] std::span<const View> plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
                                            const PlanarPose& robot);
   [[nodiscard]] Decision goal_decision(const CellGrid<CellState>& ground, bool is_new) const;
-  [[nodiscard]] Decision home_decision(const PlanarPose& robot, bool is_new);
+  [[nodiscard]] Decision home_decision(const PlanarPose& robot);
+  void turn_home();
   [[nodiscard]] bool needs_energy_for_home(const CellGrid<CellState>& ground) const;
 
   ExplorerConfig config;
@@ -76,6 +81,7 @@ struct Explorer::State {
   GoalFailure failure = GoalFailure::no_path;
   TimeNs planned_at = 0;
   std::size_t changes = 0;
+  bool homeward_is_new = false;
   std::uint32_t home_failures = 0;
   FrontiersLeft left;
 };
@@ -86,8 +92,8 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   origin_x_m = ground.origin_x_m;
   origin_y_m = ground.origin_y_m;
   const double area = ground.resolution_m * ground.resolution_m / (0.05 * 0.05);
-  min_gain_cells = g_tune[7] / area;
-  const ViewModel model{config.near_m, config.far_m, config.view_rad, g_tune[4]};
+  min_gain_cells = config.min_gain_cells / area;
+  const ViewModel model{config.near_m, config.far_m, config.view_rad, kHope_m};
   camera = std::make_unique<ViewGain>(model, ground.resolution_m);
   frontiers.reset(ground);
   roads.reset(cost, config.body_radius_m);
@@ -129,7 +135,7 @@ bool Explorer::State::in_area(double x_m, double y_m) const {
 bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   camera->look(ground, goal.cell, panorama);
   const double gain = tour.gain_of(panorama, goal.view.first_bearing, targets, aside.ignored());
-  return gain >= std::max(min_gain_cells, g_tune[11] * static_cast<double>(goal.view.gain_cells));
+  return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
 /// It stood there and looked: what it was promised to see and did not, it will not see from there.
@@ -159,6 +165,7 @@ void Explorer::State::note_blocked(const CellGrid<CellState>& ground, TimeNs now
 std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
                                             const PlanarPose& robot) {
   const int near_cells = static_cast<int>(kSamePlace_m / ground.resolution_m);
+  const double scale = min_gain_cells / config.min_gain_cells;
   const auto allowed = [&](const Place& place) {
     return in_area(ground.centre_x_m(place.cell), ground.centre_y_m(place.cell)) &&
            !aside.is_place_resting(place.cell, near_cells);
@@ -169,7 +176,7 @@ std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, c
     const bool keep = goal.active && places.place(goal.view.slot).cell == goal.cell;
     tour.keep(keep ? &goal.view : nullptr);
     // What is rich first, so that the tour is not drawn into every corner; then what is left.
-    for (const double least : {g_tune[3], g_tune[9], min_gain_cells}) {
+    for (const double least : {kRichViews_cells[0] * scale, kRichViews_cells[1] * scale, min_gain_cells}) {
       tour.set_min_gain(std::max(least, min_gain_cells));
       const std::span<const View> views =
           tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), allowed);
@@ -197,16 +204,22 @@ Decision Explorer::State::goal_decision(const CellGrid<CellState>& ground, bool 
   return d;
 }
 
-Decision Explorer::State::home_decision(const PlanarPose& robot, bool is_new) {
+Decision Explorer::State::home_decision(const PlanarPose& robot) {
   Decision d;
   d.left = left;
-  d.is_new = is_new;
+  d.is_new = homeward_is_new;
   d.goal = home;
   const bool there = std::hypot(robot.x_m - home.x_m, robot.y_m - home.y_m) < 0.15;
-  if (reached || (stage == Stage::going_home && there && is_new) || home_failures >= 3) stage = Stage::at_home;
+  if (reached || (stage == Stage::going_home && there && homeward_is_new) || home_failures >= 3) stage = Stage::at_home;
   d.kind = stage == Stage::at_home ? DecisionKind::done : DecisionKind::go_home;
-  reached = false;
+  reached = homeward_is_new = false;
   return d;
+}
+
+void Explorer::State::turn_home() {
+  stage = Stage::going_home;
+  homeward_is_new = true;
+  goal.active = reached = failed = false;
 }
 
 Explorer::Explorer(const ExplorerConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -240,10 +253,12 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
     s.reached = s.failed = false;
   }
   if (s.stage == State::Stage::going_home || s.stage == State::Stage::at_home) {
-    s.home_failures += s.failed ? 1 : 0;
-    const bool again = s.failed;
+    if (s.failed) {
+      ++s.home_failures;
+      s.homeward_is_new = true;
+    }
     s.failed = false;
-    return s.home_decision(T_world_base, again);
+    return s.home_decision(T_world_base);
   }
 
   s.aside.expire(now);
@@ -254,14 +269,17 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   s.reached = s.failed = false;
   const bool pays = s.goal.active && s.goal_still_pays(ground);
   s.changes += changed_cells.size();
-  const bool little_new = s.changes < static_cast<std::size_t>(g_tune[5]) && now - s.planned_at < 10 * kReplanPeriod_ns;
+  const bool little_new = s.changes < kFewChanges && now - s.planned_at < kKeepPlan_ns;
   if (pays && (now - s.planned_at < kReplanPeriod_ns || little_new)) return s.goal_decision(ground, false);
   s.changes = 0;
   s.goal.active = pays;
 
   s.planned_at = now;
   const Cell at = ground.cell_of(T_world_base.x_m, T_world_base.y_m);
-  if (!ground.contains(at)) return s.home_decision(T_world_base, true);
+  if (!ground.contains(at)) {
+    s.turn_home();
+    return s.home_decision(T_world_base);
+  }
   s.roads.travel(s.roads.road_of(at), TravelField::kNever - 100, s.from_robot);
   std::span<const View> views = s.plan(ground, cost, T_world_base);
   if (views.empty() && s.aside.wake_all()) views = s.plan(ground, cost, T_world_base);
@@ -271,9 +289,8 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   if (low || views.empty()) {
     if (low) s.left[LeftReason::energy] += s.left.open;
     s.left.open = 0;
-    s.stage = State::Stage::going_home;
-    s.goal.active = false;
-    return s.home_decision(T_world_base, true);
+    s.turn_home();
+    return s.home_decision(T_world_base);
   }
 
   const View& first = views.front();
@@ -301,7 +318,7 @@ void Explorer::set_home(const PlanarPose& T_world_home) {
 void Explorer::set_energy_left(double seconds) { state_->energy_left_s = seconds; }
 
 void Explorer::return_home() {
-  if (state_->stage != State::Stage::at_home) state_->stage = State::Stage::going_home;
+  if (state_->stage != State::Stage::going_home && state_->stage != State::Stage::at_home) state_->turn_home();
 }
 
 std::span<const std::uint32_t> Explorer::frontier_cells() const { return state_->frontiers.cells(); }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 namespace g3d::nav {
-double g_tune[16] = {0.3, 8.0, 3.0, 150, 0.8, 300, 1.0, 6, 24, 40, 1.0, 0.2, 0.6};
 namespace {
 
 double turn_between(double a, double b) { return std::abs(std::remainder(a - b, 6.283185307179586)); }
@@ -21,11 +20,6 @@ void Targets::reset(int columns, int rows) {
 
 void ViewTour::reset(const RoadGrid& roads, const Targets& targets, const TourConfig& config, int window) {
   config_ = config;
-  config_.length_weight = g_tune[0];
-  config_.near_s = g_tune[1];
-  config_.keep_s = g_tune[2];
-  config_.stop_s = g_tune[6];
-  config_.max_views = static_cast<int>(g_tune[8]);
   window_ = window;
   covered_in_.assign(targets.size(), 0);
   round_ = 0;
@@ -245,7 +239,7 @@ void ViewTour::refine_first(const Viewpoints& places, RoadGrid& roads, const Tra
     cells += static_cast<double>(views_[k - 1U].gain_cells);
     at = k;
   }
-  const double worth_s = g_tune[10] * seconds / cells;
+  const double worth_s = seconds / cells;
   const bool has_second = tour_.size() > 1;
   const View second = has_second ? tour_[1] : View{};
   if (has_second) roads.travel(second.road, TravelField::kNever - 100, field_);
@@ -292,7 +286,7 @@ void ViewTour::refine_first(const Viewpoints& places, RoadGrid& roads, const Tra
     for (int b = 0; b < kBearings; ++b) {
       double gain = 0;
       for (int k = 0; k < window_; ++k) gain += show[static_cast<std::size_t>((b + k) % kBearings)];
-      if (gain < g_tune[12] * task) continue;
+      if (gain < config_.task_share * task) continue;
       const double heading = (b + window_ / 2.0) * kBearing_rad;
       double turns = turn_in + turn_between(heading, arrive);
       if (moves_on) turns += turn_between(leave, heading);
@@ -321,7 +315,7 @@ std::span<const View> ViewTour::plan(const Viewpoints& places, RoadGrid& roads, 
   order();
   for (const std::uint16_t k : order_) tour_.push_back(views_[k - 1U]);
   const bool keeps = has_kept_ && order_[0] == 1;
-  if (g_tune[10] > 0 && !keeps) refine_first(places, roads, from_robot, robot, targets, ignored, allowed);
+  if (!keeps) refine_first(places, roads, from_robot, robot, targets, ignored, allowed);
   return tour_;
 }
 

@@ -22,9 +22,6 @@
 #include "tests/support/flat_explore.hpp"
 #include "tests/support/offline_tour.hpp"
 
-namespace g3d::nav {
-extern double g_tune[16];
-}
 namespace {
 
 using namespace g3d;
@@ -163,9 +160,6 @@ int main(int argc, char** argv) {
       lines = true;
     } else if (is("--yardsticks")) {
       yardsticks_only = true;
-    } else if (is("--tune")) {
-      const auto v = split(value());
-      for (std::size_t k = 0; k < v.size(); ++k) nav::g_tune[k] = std::stod(v[k]);
     } else if (is("--part")) {
       const std::string v = value();
       part = v.empty() ? 0 : v[0] - '0';

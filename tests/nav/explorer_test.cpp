@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/explorer.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+
+#include "tests/support/flat_explore.hpp"
+
+using namespace g3d;
+using namespace g3d::nav;
+
+namespace {
+
+constexpr TimeNs kSecond = 1'000'000'000;
+
+struct Run {
+  explicit Run(std::string_view plan, std::uint64_t seed = 1) : world(tests::make_flat_world(plan, seed)) {
+    start = tests::choose_start(world, seed);
+    const auto room = tests::standing_room(world.solid);
+    const auto reachable = tests::connected_part(room, room.cell_of(start.x_m, start.y_m));
+    observable = tests::observable_cells(world.solid, reachable, 0.8, 3.5);
+    sim = std::make_unique<tests::FlatSim>(world, start);
+    sim->set_observable(&observable);
+  }
+  tests::FlatWorld world;
+  hal::PlanarPose start;
+  CellGrid<std::uint8_t> observable;
+  std::unique_ptr<tests::FlatSim> sim;
+};
+
+}  // namespace
+
+TEST_CASE("a whole floor is seen, the robot comes home and says why it left the rest") {
+  for (const std::string_view plan : {"house", "narrow_doors"}) {
+    Run run(plan);
+    const tests::FlatResult result = tests::run_explorer(*run.sim, 3000.0);
+    INFO(plan << result.left);
+    CHECK(result.ended);
+    CHECK(result.home);
+    CHECK(result.coverage >= 0.99);
+    CHECK(result.t95_s > 0);
+    CHECK(result.t99_s >= result.t95_s);
+  }
+}
+
+TEST_CASE("the same world and start give the same drive") {
+  Run a("lab", 3);
+  Run b("lab", 3);
+  const tests::FlatResult ra = tests::run_explorer(*a.sim, 120.0);
+  const tests::FlatResult rb = tests::run_explorer(*b.sim, 120.0);
+  CHECK(a.sim->pose() == b.sim->pose());
+  CHECK(a.sim->ground().cells == b.sim->ground().cells);
+  CHECK(ra.goals == rb.goals);
+}
+
+TEST_CASE("it begins with a look around and ends where it began") {
+  Run run("house");
+  Explorer explorer{ExplorerConfig{}};
+  Decision d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, 0);
+  CHECK(d.kind == DecisionKind::look_around);
+  CHECK(d.is_new);
+  CHECK(d.turn_rad == Approx(6.2831853));
+  d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, kSecond);
+  CHECK(d.kind == DecisionKind::look_around);
+  CHECK_FALSE(d.is_new);
+  explorer.goal_reached();
+  d = explorer.decide(run.sim->ground(), run.sim->cost(), run.sim->take_changed(), run.start, 2 * kSecond);
+  CHECK(d.kind == DecisionKind::goal);
+  CHECK(d.left.open > 0);
+  CHECK_FALSE(explorer.frontier_cells().empty());
+  explorer.return_home();
+  d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, {1.0, 1.0, 0.0}, 3 * kSecond);
+  CHECK(d.kind == DecisionKind::go_home);
+  CHECK(d.is_new);
+  CHECK(d.goal == run.start);
+  explorer.goal_reached();
+  d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, 4 * kSecond);
+  CHECK(d.kind == DecisionKind::done);
+}
+
+TEST_CASE("goals that fail are set aside, and in the end it gives up by name") {
+  Run run("house");
+  ExplorerConfig config;
+  config.look_around_first = false;
+  config.set_aside_s = 5.0;
+  Explorer explorer(config);
+  TimeNs now = 0;
+  Decision d;
+  PlanarPose last;
+  int repeats = 0;
+  int goals = 0;
+  for (; goals < 2000; ++goals, now += kSecond) {
+    d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, now);
+    if (d.kind != DecisionKind::goal) break;
+    repeats += goals > 0 && d.goal == last;
+    last = d.goal;
+    explorer.goal_failed(GoalFailure::no_path);
+  }
+  CHECK(d.kind != DecisionKind::goal);
+  CHECK(repeats == 0);
+  CHECK(goals > 3);
+  CHECK(d.left[LeftReason::blocked] > 0);
+  CHECK(d.left.open == 0);
+}
+
+TEST_CASE("a way home that keeps failing ends too") {
+  Run run("house");
+  Explorer explorer{ExplorerConfig{}};
+  (void)explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, 0);
+  explorer.return_home();
+  Decision d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, {1.0, 1.0, 0.0}, kSecond);
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(d.kind == DecisionKind::go_home);
+    explorer.goal_failed(GoalFailure::stuck);
+    d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, {1.0, 1.0, 0.0}, (i + 2) * kSecond);
+  }
+  CHECK(d.kind == DecisionKind::done);
+}
+
+TEST_CASE("a low battery ends exploration early") {
+  Run run("house");
+  ExplorerConfig config;
+  config.look_around_first = false;
+  Explorer explorer(config);
+  explorer.set_energy_left(20.0);
+  const Decision d = explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, 0);
+  CHECK(d.kind != DecisionKind::goal);
+  CHECK(d.left[LeftReason::energy] > 0);
+}
+
+TEST_CASE("it stays within the area, and what lies beyond is named so") {
+  Run run("hall");
+  ExplorerConfig config;
+  config.area_min_x_m = run.start.x_m - 2.0;
+  config.area_max_x_m = run.start.x_m + 2.0;
+  config.area_min_y_m = run.start.y_m - 2.0;
+  config.area_max_y_m = run.start.y_m + 2.0;
+  Explorer explorer(config);
+  (void)explorer.decide(run.sim->ground(), run.sim->cost(), {}, run.start, 0);
+  explorer.goal_reached();
+  for (int i = 0; i < 63; ++i) run.sim->step(0.0, 1.0);
+  const Decision d = explorer.decide(run.sim->ground(), run.sim->cost(), run.sim->take_changed(), run.start, kSecond);
+  if (d.kind == DecisionKind::goal) {
+    CHECK(std::abs(d.goal.x_m - run.start.x_m) <= 2.0);
+    CHECK(std::abs(d.goal.y_m - run.start.y_m) <= 2.0);
+  }
+  const tests::FlatResult result = tests::run_explorer(*run.sim, 2000.0, config);
+  CHECK(result.ended);
+  CHECK(result.left.find("outside_area") != std::string::npos);
+}
+
+TEST_CASE("a grid of another geometry is read anew") {
+  Run small("house");
+  Run large("hall");
+  ExplorerConfig config;
+  config.look_around_first = false;
+  Explorer explorer(config);
+  (void)explorer.decide(small.sim->ground(), small.sim->cost(), {}, small.start, 0);
+  const Decision d = explorer.decide(large.sim->ground(), large.sim->cost(), {}, large.start, kSecond);
+  Explorer fresh(config);
+  const Decision e = fresh.decide(large.sim->ground(), large.sim->cost(), {}, large.start, kSecond);
+  CHECK(d.kind == e.kind);
+  CHECK(d.goal == e.goal);
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/set_aside.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace g3d::nav;
+
+namespace {
+constexpr g3d::hal::TimeNs kSecond = 1'000'000'000;
+}
+
+TEST_CASE("what was tried in vain rests, longer each time, and is given up at last") {
+  SetAside aside;
+  aside.reset(10, 3, 30.0);
+  aside.target_failed(4, SetAside::Cause::fruitless, 0);
+  CHECK(aside.ignored()[4] != 0);
+  CHECK(aside.ignored()[3] == 0);
+  aside.expire(29 * kSecond);
+  CHECK(aside.ignored()[4] != 0);
+  aside.expire(30 * kSecond);
+  CHECK(aside.ignored()[4] == 0);
+  aside.target_failed(4, SetAside::Cause::blocked, 100 * kSecond);
+  CHECK(aside.was_blocked(4));
+  aside.expire(159 * kSecond);
+  CHECK(aside.ignored()[4] != 0);
+  aside.expire(160 * kSecond);
+  CHECK(aside.ignored()[4] == 0);
+  CHECK_FALSE(aside.is_given_up(4));
+  aside.target_failed(4, SetAside::Cause::fruitless, 200 * kSecond);
+  CHECK(aside.is_given_up(4));
+  CHECK_FALSE(aside.was_blocked(4));
+  aside.expire(100000 * kSecond);
+  CHECK(aside.ignored()[4] != 0);
+}
+
+TEST_CASE("failing while it rests does not count twice, and rests can be ended at once") {
+  SetAside aside;
+  aside.reset(10, 2, 30.0);
+  CHECK_FALSE(aside.wake_all());
+  aside.target_failed(1, SetAside::Cause::fruitless, 0);
+  aside.target_failed(1, SetAside::Cause::fruitless, 0);
+  CHECK_FALSE(aside.is_given_up(1));
+  aside.exclude(2);
+  CHECK(aside.wake_all());
+  CHECK(aside.ignored()[1] == 0);
+  CHECK(aside.is_excluded(2));
+  CHECK(aside.ignored()[2] != 0);
+}
+
+TEST_CASE("places rest with those near them") {
+  SetAside aside;
+  aside.reset(1, 3, 10.0);
+  aside.place_failed({50, 50}, 0);
+  CHECK(aside.is_place_resting({54, 47}, 5));
+  CHECK_FALSE(aside.is_place_resting({57, 50}, 5));
+  aside.expire(10 * kSecond);
+  CHECK_FALSE(aside.is_place_resting({50, 50}, 5));
+  aside.place_failed({50, 50}, 20 * kSecond);
+  aside.expire(39 * kSecond);
+  CHECK(aside.is_place_resting({50, 50}, 5));
+  aside.expire(40 * kSecond);
+  CHECK_FALSE(aside.is_place_resting({50, 50}, 5));
+  for (int i = 0; i < 500; ++i) aside.place_failed({10 * i, 0}, i * kSecond);
+  CHECK(aside.is_place_resting({4990, 0}, 1));
+}
