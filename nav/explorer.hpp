@@ -33,7 +33,7 @@ struct ExplorerConfig {
   double near_m = 0.8;            ///< nearer surfaces are not measured
   double far_m = 3.5;
   // What counts.
-  int min_gain_cells = 6;     ///< a look that shows fewer cells of 5 cm is not worth a drive; scaled by area
+  int min_gain_cells = 12;    ///< a look that shows fewer cells of 5 cm is not worth a drive; scaled by area
   int max_tries = 3;          ///< fruitless looks or failed goals until a frontier is left for good
   double set_aside_s = 30.0;  ///< how long a failed or fruitless goal rests; doubles with every time
   bool look_around_first = true;
