@@ -22,6 +22,7 @@ constexpr double kDropShare = 0.2;        ///< a goal that promises less than th
 constexpr std::size_t kFewChanges = 300;  ///< cells; with fewer, a plan is kept for up to kKeepPlan_ns
 constexpr TimeNs kKeepPlan_ns = 10'000'000'000;
 constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at before poorer ones
+constexpr double kGainPerDrive_cellps = 0.3;          ///< cells of 5 cm that a second of driving must show at least
 constexpr double kTurnAround_rad = 6.283185307179586;
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
@@ -109,6 +110,7 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   t.speed_mps = config.speed_mps;
   t.turn_radps = config.turn_radps;
   t.min_gain_cells = min_gain_cells;
+  t.gain_per_drive_s = kGainPerDrive_cellps / area;
   tour.reset(roads, targets, t, camera->window());
   explanation.reset(targets.size());
   goal.active = false;
@@ -140,12 +142,14 @@ bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
 
 /// It stood there and looked: what it was promised to see and did not, it will not see from there.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
+  const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
+  const int weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
   camera->look(ground, goal.cell, panorama);
   for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
     const RayGain& ray =
         panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
     if (ray.entry != RayGain::kNothing) {
-      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now);
+      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now, weight);
     }
   }
 }

@@ -16,11 +16,12 @@ void SetAside::reset(std::size_t targets, int max_tries, double rest_s) {
   place_count_ = 0;
 }
 
-void SetAside::target_failed(std::uint32_t target, Cause cause, hal::TimeNs now) {
+void SetAside::target_failed(std::uint32_t target, Cause cause, hal::TimeNs now, int weight) {
   std::uint8_t& flags = ignored_[target];
   if ((flags & (kResting | kGivenUp)) != 0) return;
   flags = static_cast<std::uint8_t>((flags & kExcluded) | (cause == Cause::blocked ? kBlocked : 0));
-  if (++tries_[target] >= max_tries_) {
+  tries_[target] = static_cast<std::uint8_t>(std::min(tries_[target] + weight, max_tries_));
+  if (tries_[target] >= max_tries_) {
     flags |= kGivenUp;
     return;
   }

@@ -22,7 +22,8 @@ class SetAside {
   /// Never to be looked at.
   void exclude(std::uint32_t target) { ignored_[target] |= kExcluded; }
 
-  void target_failed(std::uint32_t target, Cause cause, hal::TimeNs now);
+  /// `weight` tries at once: what promises little is not worth coming back to.
+  void target_failed(std::uint32_t target, Cause cause, hal::TimeNs now, int weight = 1);
   void place_failed(Cell place, hal::TimeNs now);
   /// Ends rests that are over.
   void expire(hal::TimeNs now);

@@ -105,6 +105,9 @@ void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, c
     if (has_kept_) take(places, targets, kept_->slot, {static_cast<float>(gain), kept_->first_bearing});
   }
   const double tenth_s = roads.step_m() / 10 / config_.speed_mps;
+  const auto least = [&](const Place& place) {
+    return config_.min_gain_cells + config_.gain_per_drive_s * from_robot.distance[place.road] * tenth_s;
+  };
   const auto nearness = [&](const Place& place) {
     const double s = from_robot.distance[place.road] * tenth_s;
     return static_cast<float>(1.0 / (config_.near_s + s));
@@ -113,7 +116,7 @@ void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, c
     const Place& place = places.place(slot);
     if (static_cast<double>(place.total_cells) < config_.min_gain_cells || !allowed(place)) continue;
     const Best best = best_window(place, targets, ignored);
-    if (static_cast<double>(best.gain) >= config_.min_gain_cells) heap_.push_back({best.gain * nearness(place), slot});
+    if (static_cast<double>(best.gain) >= least(place)) heap_.push_back({best.gain * nearness(place), slot});
   }
   std::make_heap(heap_.begin(), heap_.end(), worse);
   while (!heap_.empty() && views_.size() < static_cast<std::size_t>(config_.max_views)) {
@@ -122,7 +125,7 @@ void ViewTour::choose(const Viewpoints& places, const TravelField& from_robot, c
     heap_.pop_back();
     const Place& place = places.place(top.index);
     const Best best = best_window(place, targets, ignored);
-    if (static_cast<double>(best.gain) < config_.min_gain_cells) continue;
+    if (static_cast<double>(best.gain) < least(place)) continue;
     const Candidate again{best.gain * nearness(place), top.index};
     const bool still_best = heap_.empty() || !worse(again, heap_.front());
     if (still_best) take(places, targets, top.index, best);

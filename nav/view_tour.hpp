@@ -19,11 +19,12 @@ struct TourConfig {
   double speed_mps = 0.4;
   double turn_radps = 1.0;
   double min_gain_cells = 6.0;
-  double stop_s = 1.0;         ///< what a stop costs beyond driving and turning
-  double length_weight = 0.3;  ///< of the tour's whole time, against the mean time at which a cell is seen
-  double near_s = 8.0;         ///< the smaller, the more the cover prefers near places over rich ones
-  double keep_s = 6.0;         ///< how much better another first view must be than the one that is being driven to
-  double task_share = 0.6;     ///< of what it was chosen for, the first view must show when it is moved
+  double gain_per_drive_s = 0.3;  ///< more cells that a view must show for each second of the drive to it
+  double stop_s = 1.0;            ///< what a stop costs beyond driving and turning
+  double length_weight = 0.3;     ///< of the tour's whole time, against the mean time at which a cell is seen
+  double near_s = 8.0;            ///< the smaller, the more the cover prefers near places over rich ones
+  double keep_s = 6.0;            ///< how much better another first view must be than the one that is being driven to
+  double task_share = 0.6;        ///< of what it was chosen for, the first view must show when it is moved
   int max_views = 24;
   int passes = 6;
 };

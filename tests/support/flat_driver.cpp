@@ -147,8 +147,10 @@ DriveState FlatDriver::step() {
   }
   int worst = 64;
   std::size_t aim = std::min(next_ + 2, path_.size() - 1);
+  // Beside something that it bumped into, cell by cell.
   const std::size_t reach = next_ + static_cast<std::size_t>(kLookahead_m / costs_->resolution_m);
-  for (std::size_t i = next_; i < std::min(reach + 1, path_.size()); ++i) {
+  if (bumped_ > 0) aim = std::min(next_ + 1, path_.size() - 1);
+  for (std::size_t i = next_; bumped_ == 0 && i < std::min(reach + 1, path_.size()); ++i) {
     worst = std::max(worst, cost_of(costs_->at(path_[i]), through_unknown_));
     if (line_is_clear(here, path_[i], worst)) aim = i;
   }
@@ -166,7 +168,10 @@ DriveState FlatDriver::step() {
       in_place_ ? 0.0 : std::min(0.4 * std::max(0.2, 1.0 - std::abs(error)), distance / FlatSim::kStep_s);
   if (!sim_.step(speed, turn)) {
     if (++blocked_ > 20) return DriveState::stuck;
+    bumped_ = 20;
     replan();
+  } else if (bumped_ > 0) {
+    --bumped_;
   }
   return DriveState::driving;
 }

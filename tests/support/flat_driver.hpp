@@ -55,6 +55,7 @@ class FlatDriver {
   bool turning_ = false;
   bool in_place_ = false;
   int blocked_ = 0;
+  int bumped_ = 0;            ///< steps for which it is careful after a bump
   hal::PlanarPose progress_;  ///< where it was when it last got on
   double progress_s_ = 0.0;
   FlatPlanner planner_;
