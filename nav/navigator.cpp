@@ -9,11 +9,7 @@
 namespace g3d::nav {
 namespace {
 
-constexpr double kTouchRadius_m = 0.05;
 constexpr double kBehind_m = 0.35;
-constexpr double kMoves_m = 0.05;    // less than this, or
-constexpr double kMoves_rad = 0.15;  // than this, is no progress
-constexpr double kGotOn_m = 0.5;
 constexpr double kOffPath_m = 0.35;    // farther from the path: another one is better
 constexpr double kSlowest_mps = 0.12;  // on average, until a goal takes too long
 constexpr double kGoalGrace_s = 25.0;
@@ -39,71 +35,33 @@ FollowerConfig fitted(FollowerConfig config, double resolution_m) {
 
 }  // namespace
 
-double planning_radius_m(double body_radius_m, double cell_m) { return body_radius_m + 0.7 * cell_m; }
-
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
     : config_(config),
-      ground_(grid, config.ground),
-      inflation_(ground_.states(), {planning_radius_m(config.follower.limits.body_radius_m, ground_.resolution_m()),
-                                    config.inflation_radius_m, config.inflation_decay_perm}),
-      explorer_(sized(config.explorer, ground_.states())),
-      planner_(ground_.states().cells.size()),
-      follower_(fitted(config.follower, ground_.resolution_m())),
+      floor_(grid, {config.ground, config.low_view, config.near_watch, config.follower.limits.body_radius_m,
+                    config.inflation_radius_m, config.inflation_decay_perm}),
+      explorer_(std::make_unique<Explorer>(sized(config.explorer, floor_.states()))),
+      planner_(floor_.states().cells.size()),
+      follower_(fitted(config.follower, floor_.states().resolution_m)),
       behind_(config.follower.limits.body_radius_m, config.follower.limits.touch_margin_m, kBehind_m,
-              ground_.resolution_m()),
+              floor_.states().resolution_m),
       recovery_(config.recovery),
-      trace_(ground_.states(), config.follower.limits.body_radius_m),
-      low_view_(ground_.states(), config.low_view),
-      near_watch_(ground_.states(), config.near_watch),
-      is_noted_(ground_.states().cells.size()) {
-  changed_.reserve(is_noted_.size());
-}
-
-bool Navigator::is_seen(Cell c) const {
-  return ground_.is_floor_seen(c) || trace_.is_trodden(c) || low_view_.is_seen(c);
-}
-
-void Navigator::note_changed(std::span<const std::uint32_t> cells) {
-  for (const std::uint32_t cell : cells) {
-    if (is_noted_[cell] != 0) continue;
-    is_noted_[cell] = 1;
-    changed_.push_back(cell);
-  }
-}
-
-void Navigator::take_over_changes() {
-  const std::span<const std::uint32_t> fresh = ground_.changed_cells().subspan(taken_over_);
-  taken_over_ = ground_.changed_cells().size();
-  if (fresh.empty()) return;
-  inflation_.update(ground_.states(), fresh);
-  note_changed(fresh);
-  note_changed(inflation_.changed_cells());
-}
+      progress_(config.no_progress_s, config.lost_s) {}
 
 void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs) {
-  take_over_changes();  // marks since the last frame
-  ground_.update(map, changed_slots);
-  taken_over_ = 0;
-  take_over_changes();
-  if (has_base_) low_view_.look(ground_.states(), base_.T_world_base);
+  floor_.on_map(map, changed_slots, base_.T_world_base);
 }
 
 void Navigator::on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
                          TimeNs now) {
-  near_watch_.look(frame, camera, ground_.states(), T_world_base, now);
+  floor_.on_frame(frame, camera, T_world_base, now);
 }
 
 void Navigator::meet(std::uint8_t flags, TimeNs now) {
   const bool left = (flags & hal::kobuki::kBumperLeft) != 0;
   const bool right = (flags & hal::kobuki::kBumperRight) != 0;
-  const auto mark = [this](double side_rad) {
-    const Waypoint touched = where_touched(ground_.states(), base_.T_world_base, side_rad, body_radius_m());
-    ground_.mark_contact(touched.x_m, touched.y_m, kTouchRadius_m);
-  };
-  if (left) mark(kBumperSide_rad);
-  if (right) mark(-kBumperSide_rad);
-  if ((flags & hal::kobuki::kBumperCentre) != 0) mark(0.0);
-  take_over_changes();
+  if (left) floor_.on_touch(base_.T_world_base, kBumperSide_rad);
+  if (right) floor_.on_touch(base_.T_world_base, -kBumperSide_rad);
+  if ((flags & hal::kobuki::kBumperCentre) != 0) floor_.on_touch(base_.T_world_base, 0.0);
   if (mission_.is_driving()) {
     begin_trouble(Trouble::contact, StopReason::contact, (left ? 1.0 : 0.0) - (right ? 1.0 : 0.0), now);
   }
@@ -117,23 +75,22 @@ void Navigator::on_base(const BaseView& view, TimeNs now) {
   if (!has_base_) {
     has_base_ = true;
     home_ = view.T_world_base;
-    explorer_.set_home(home_);
-    watched_pose_ = got_on_pose_ = home_;
-    watched_ns_ = got_on_ns_ = now;
+    explorer_->set_home(home_);
+    progress_.start(home_, now);
+    last_step_ns_ = now;
   }
-  if (trace_.tread(view.T_world_base)) {
-    ground_.mark_free_disc(view.T_world_base.x_m, view.T_world_base.y_m, body_radius_m());
-    take_over_changes();
-  }
+  floor_.on_pose(view.T_world_base, now);
   if (met != 0) meet(met, now);
-  explorer_.set_energy_left(view.energy_left_s);
+  explorer_->set_energy_left(view.energy_left_s);
 }
 
 void Navigator::command(MissionEvent event) {
   switch (event) {
     case MissionEvent::come_home:
     case MissionEvent::battery_low:
-      explorer_.return_home();
+      is_sent_home_ = true;
+      is_checking_ = false;
+      explorer_->return_home();
       next_decision_ns_ = 0;
       break;
     case MissionEvent::resume:
@@ -153,18 +110,57 @@ bool Navigator::is_at_home() const { return distance_m(base_.T_world_base, home_
 // --- Deciding -------------------------------------------------------------------------------------------------------
 
 void Navigator::decide(TimeNs now) {
-  decision_ = explorer_.decide(ground_.states(), inflation_.cost(), changed_, base_.T_world_base, now);
-  for (const std::uint32_t cell : changed_) is_noted_[cell] = 0;
-  changed_.clear();
+  decision_ = explorer_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
+  floor_.forget_changes();
   report_.frontiers_left = decision_.left;
   next_decision_ns_ = after(now, config_.decide_period_s);
-  const bool is_other = decision_.kind != followed_.kind || !(decision_.goal == followed_.goal);
+  if (decision_.kind == DecisionKind::go_home && look_at_closed_way(now)) return;
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
   const bool is_idle = !is_spinning_ && follower_.state() == FollowerState::idle;
-  // A look around moves its goal's heading along with the robot: only a new one counts.
-  const bool is_changed = decision_.kind == DecisionKind::look_around ? !is_spinning_ : is_other;
-  if (decision_.is_new || is_changed || is_idle || decision_.kind == DecisionKind::done) follow_decision(now);
+  // A look around moves its goal's heading along with the robot: that is no other goal.
+  const bool is_other = decision_.kind != followed_.kind || (!is_spinning_ && !(decision_.goal == followed_.goal));
+  if (!decision_.is_new && !is_other && !is_idle && decision_.kind != DecisionKind::done) return;
+  const bool is_left = !is_idle && decision_.kind == DecisionKind::goal && followed_.kind == DecisionKind::goal;
+  const bool is_committed = is_left && left_goals_.change(followed_.goal, decision_.goal, now);
+  follow_decision(now);
+  if (is_committed && follower_.state() != FollowerState::idle) next_decision_ns_ = goal_until_ns_;
+}
+
+// Before it goes home: is what was closed still closed?
+bool Navigator::look_at_closed_way(TimeNs now) {
+  if (is_sent_home_ || mission_.state() != MissionState::exploring) return false;
+  while (ClosedWay* way = closed_ways_.next(floor_.cost(), base_.T_world_base)) {
+    ++way->looks;
+    checked_ = way->at;
+    decision_.kind = DecisionKind::goal;
+    decision_.goal = way->seen_from;
+    is_checking_ = true;
+    watch_until_ns_ = -1;
+    follow_decision(now);
+    if (is_checking_) return true;
+  }
+  return false;
+}
+
+void Navigator::watch_closed_way(TimeNs now) {
+  if (!ClosedWays::is_closed(checked_, floor_.cost())) {
+    is_checking_ = false;
+    explore_again();
+    next_decision_ns_ = now;
+  } else if (watch_until_ns_ >= 0 && now >= watch_until_ns_) {
+    is_checking_ = false;
+    next_decision_ns_ = now;
+  }
+}
+
+void Navigator::explore_again() {
+  ExplorerConfig config = sized(config_.explorer, floor_.states());
+  config.look_around_first = false;
+  explorer_ = std::make_unique<Explorer>(config);
+  explorer_->set_home(home_);
+  explorer_->set_energy_left(base_.energy_left_s);
+  follower_.clear();
 }
 
 void Navigator::follow_decision(TimeNs now) {
@@ -191,7 +187,11 @@ bool Navigator::plan(TimeNs now) {
   next_plan_ns_ = after(now, config_.plan_period_s);
   next_refresh_ns_ = after(now, config_.refresh_period_s);
   ++report_.paths_planned;
-  const Route route = planner_.plan(inflation_.cost(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
+  Route route = planner_.plan(floor_.cost(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
+  if (route.status != PathStatus::found && decision_.kind == DecisionKind::go_home) {
+    // It came that way: whoever stands there may be gone, and is seen from nearby.
+    route = planner_.plan(floor_.cost_of_own_way(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
+  }
   if (route.status == PathStatus::found) {
     const bool is_goal = decision_.kind == DecisionKind::goal;
     follower_.set_path(route.points, is_goal ? std::optional(decision_.goal.heading_rad) : std::nullopt);
@@ -210,8 +210,11 @@ bool Navigator::plan(TimeNs now) {
 }
 
 void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
-  ++report_.goals_failed;
-  explorer_.goal_failed(reason);
+  if (!is_checking_) {
+    ++report_.goals_failed;
+    explorer_->goal_failed(reason);
+  }
+  is_checking_ = false;
   follower_.clear();
   is_spinning_ = false;
   recovery_.end();
@@ -247,7 +250,7 @@ void Navigator::begin_trouble(Trouble trouble, StopReason reason, double side, T
 }
 
 RecoveryView Navigator::recovery_view(TimeNs now) {
-  behind_.gather(ground_.states(), base_.T_world_base, this);
+  behind_.gather(floor_.states(), base_.T_world_base, &floor_);
   free_behind_m_ = behind_.look(0.0, kBehind_m, true).free_m;
   return {now, base_.T_world_base, free_behind_m_, base_.bumper != 0};
 }
@@ -270,8 +273,6 @@ hal::Twist Navigator::recover(TimeNs now) {
       retry_ns_ = after(now, config_.retry_s);
     }
   }
-  watched_ns_ = now;
-  watched_pose_ = base_.T_world_base;
   return twist;
 }
 
@@ -283,25 +284,34 @@ hal::Twist Navigator::look_around(TimeNs now) {
     return {0.0, turn_rate_to(spin_left_rad_, config_.follower.limits)};
   }
   is_spinning_ = false;
-  explorer_.goal_reached();
+  explorer_->goal_reached();
   next_decision_ns_ = now;
   return {};
 }
 
 hal::Twist Navigator::follow(TimeNs now) {
   const auto step_follower = [this] {
-    return follower_.step(base_.T_world_base, base_.velocity, ground_.states(), inflation_.cost(), this);
+    return follower_.step(base_.T_world_base, base_.velocity, floor_.states(), floor_.cost(), &floor_);
   };
   hal::Twist twist = step_follower();
+  if (follower_.state() == FollowerState::arrived && is_checking_) {
+    follower_.clear();
+    recovery_.reset();
+    progress_.note_got_on(base_.T_world_base, now);
+    watch_until_ns_ = after(now, config_.closed_wait_s);
+    return twist;
+  }
   if (follower_.state() == FollowerState::arrived) {
     ++report_.goals_reached;
     follower_.clear();
-    explorer_.goal_reached();
+    explorer_->goal_reached();
     recovery_.reset();
-    got_on_ns_ = now;
+    progress_.note_got_on(base_.T_world_base, now);
     next_decision_ns_ = now;
     return twist;
   }
+  if (follower_.blocked_at_m())
+    closed_ways_.note(follower_.track().ahead(*follower_.blocked_at_m()), base_.T_world_base);
   const bool is_worse = follower_.blocked_at_m() || follower_.is_shut() || follower_.track().offset_m() > kOffPath_m;
   if (now >= (is_worse ? next_plan_ns_ : next_refresh_ns_)) {
     if (!plan(now)) return {};
@@ -330,31 +340,27 @@ hal::Twist Navigator::drive(TimeNs now) {
 }
 
 void Navigator::watch_progress(const hal::Twist& twist, TimeNs now) {
-  const hal::PlanarPose& pose = base_.T_world_base;
-  const bool should_move = std::fabs(twist.forward_mps) > 0.03 || std::fabs(twist.turn_radps) > 0.1;
-  const bool moves = distance_m(pose, watched_pose_) > kMoves_m ||
-                     std::fabs(wrap_angle(pose.heading_rad - watched_pose_.heading_rad)) > kMoves_rad;
-  if (!should_move || moves) {
-    watched_ns_ = now;
-    watched_pose_ = pose;
-  } else if (now >= after(watched_ns_, config_.no_progress_s)) {
-    begin_trouble(Trouble::no_progress, StopReason::no_progress, 0.0, now);
-    watched_ns_ = now;
+  progress_.step(twist, base_.T_world_base, now);
+  if (recovery_.is_active()) progress_.note_moved(base_.T_world_base, now);
+  if (is_spinning_) progress_.note_got_on(base_.T_world_base, now);
+  if (progress_.is_stuck(now)) {
+    progress_.note_moved(base_.T_world_base, now);
+    push_against(twist, now);
   }
-  if (distance_m(pose, got_on_pose_) > kGotOn_m || is_spinning_) {
-    got_on_pose_ = pose;
-    got_on_ns_ = now;
-  } else if (now >= after(got_on_ns_, config_.lost_s) && mission_.apply(MissionEvent::lost)) {
-    retry_ns_ = after(now, config_.retry_s);
-  }
+  if (progress_.is_lost(now) && mission_.apply(MissionEvent::lost)) retry_ns_ = after(now, config_.retry_s);
+}
+
+// The wheels work against something that presses no bumper: it is too high or too low for it.
+void Navigator::push_against(const hal::Twist& twist, TimeNs now) {
+  if (twist.forward_mps > 0.0) floor_.on_touch(base_.T_world_base, 0.0);
+  begin_trouble(Trouble::no_progress, StopReason::no_progress, 0.0, now);
 }
 
 void Navigator::retry(TimeNs now) {
   if (mission_.state() != MissionState::needs_help || now < retry_ns_ || retries_ >= config_.max_retries) return;
   ++retries_;
-  got_on_ns_ = now;
-  ground_.forget_contacts();
-  take_over_changes();
+  progress_.note_got_on(base_.T_world_base, now);
+  floor_.forget_touches();
   mission_.apply(MissionEvent::resume);
   next_decision_ns_ = now;
 }
@@ -365,29 +371,28 @@ bool Navigator::stands_by(TimeNs now) {
   const bool stands = !mission_.is_driving() || is_forbidden;
   if (stands && !is_standing_by_ && !mission_.is_over()) {
     report_.note_stop(is_forbidden ? StopReason::safety : StopReason::held);
+    if (is_forbidden && base_.verdict.reason == hal::Condition::over_current) push_against(last_twist_, now);
   }
   if (!stands && is_standing_by_) next_refresh_ns_ = now;  // much may have changed meanwhile
   is_standing_by_ = stands;
-  if (stands) {
-    // Time that it had to stand is not held against any goal.
-    const TimeNs stood_ns = now - watched_ns_;
-    goal_until_ns_ += stood_ns;
-    got_on_ns_ += stood_ns;
-    watched_ns_ = now;
+  if (stands) {  // not held against any goal
+    goal_until_ns_ += now - last_step_ns_;
+    progress_.leave_out(now - last_step_ns_);
   }
+  last_step_ns_ = now;
   return stands;
 }
 
 hal::Twist Navigator::step(TimeNs now) {
   if (!has_base_) return {};
-  now_ns_ = now;
   retry(now);
   if (stands_by(now)) return {};
-  if (now >= next_decision_ns_ && !recovery_.is_active()) decide(now);
+  if (is_checking_) watch_closed_way(now);
+  if (!is_checking_ && now >= next_decision_ns_ && !recovery_.is_active()) decide(now);
   if (!mission_.is_driving()) return {};
-  const hal::Twist twist = drive(now);
-  watch_progress(twist, now);
-  return twist;
+  last_twist_ = drive(now);
+  watch_progress(last_twist_, now);
+  return last_twist_;
 }
 
 }  // namespace g3d::nav

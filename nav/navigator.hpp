@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,17 +21,16 @@
 #include "hal/safety.hpp"
 #include "hal/twist.hpp"
 #include "mapper/voxel_map.hpp"
-#include "nav/body_trace.hpp"
+#include "nav/closed_ways.hpp"
 #include "nav/explorer.hpp"
 #include "nav/follower.hpp"
-#include "nav/ground_map.hpp"
-#include "nav/inflation.hpp"
-#include "nav/low_view.hpp"
+#include "nav/goal_history.hpp"
 #include "nav/mission.hpp"
 #include "nav/mission_report.hpp"
-#include "nav/near_watch.hpp"
+#include "nav/progress_watch.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route_planner.hpp"
+#include "nav/surroundings.hpp"
 
 namespace g3d::nav {
 
@@ -46,13 +46,13 @@ struct BaseView {
 
 struct NavigatorConfig {
   GroundMapConfig ground;
-  ExplorerConfig explorer;
-  FollowerConfig follower;
-  RecoveryConfig recovery;
   LowViewConfig low_view;
   NearWatchConfig near_watch;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
+  ExplorerConfig explorer;
+  FollowerConfig follower;
+  RecoveryConfig recovery;
   double decide_period_s = 1.0;
   double plan_period_s = 0.5;      ///< at most so often while the way is blocked
   double refresh_period_s = 3.0;   ///< a path is planned anew so often though nothing is wrong with it
@@ -60,16 +60,13 @@ struct NavigatorConfig {
   double home_tolerance_m = 0.30;
   double shut_s = 0.4;  ///< nothing moves in front of a shut way for so long: trouble
   double no_progress_s = 3.0;
-  double lost_s = 180.0;  ///< without having got anywhere: it needs help,
-  double retry_s = 20.0;  ///< and tries by itself again after this,
-  int max_retries = 5;    ///< so many times
+  double lost_s = 180.0;        ///< without having got anywhere: it needs help,
+  double retry_s = 20.0;        ///< and tries by itself again after this,
+  int max_retries = 5;          ///< so many times
+  double closed_wait_s = 10.0;  ///< how long it watches a closed way before it takes it for closed
 };
 
-/// The inscribed radius that planning uses: cells are squares, and a body whose centre is somewhere in its cell must
-/// still pass what is somewhere in another.
-[[nodiscard]] double planning_radius_m(double body_radius_m, double cell_m);
-
-class Navigator final : private FloorKnowledge {
+class Navigator {
  public:
   Navigator(const mapper::Grid& grid, const NavigatorConfig& config);
 
@@ -90,9 +87,9 @@ class Navigator final : private FloorKnowledge {
   [[nodiscard]] const Follower& follower() const { return follower_; }
   [[nodiscard]] const Decision& decision() const { return decision_; }  ///< with the goal
   [[nodiscard]] std::span<const Waypoint> path() const { return follower_.track().points(); }
-  [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const { return explorer_.frontier_cells(); }
-  [[nodiscard]] const GroundMap& ground() const { return ground_; }
-  [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return inflation_.cost(); }
+  [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const { return explorer_->frontier_cells(); }
+  [[nodiscard]] const GroundMap& ground() const { return floor_.ground(); }
+  [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return floor_.cost(); }
   [[nodiscard]] const hal::PlanarPose& home() const { return home_; }
   [[nodiscard]] const MissionReport& report() const { return report_; }
   [[nodiscard]] MissionReport& report() { return report_; }  ///< for note_coverage()
@@ -102,10 +99,6 @@ class Navigator final : private FloorKnowledge {
  private:
   static constexpr double kRearFree_m = 0.03;
 
-  [[nodiscard]] bool is_seen(Cell c) const override;
-  [[nodiscard]] bool is_suspect(Cell c) const override { return near_watch_.is_suspect(c, now_ns_); }
-  void take_over_changes();
-  void note_changed(std::span<const std::uint32_t> cells);
   void meet(std::uint8_t flags, TimeNs now);
 
   void decide(TimeNs now);
@@ -113,6 +106,9 @@ class Navigator final : private FloorKnowledge {
   bool plan(TimeNs now);
   void fail_goal(GoalFailure reason, TimeNs now);
   void finish(TimeNs now);
+  [[nodiscard]] bool look_at_closed_way(TimeNs now);
+  void watch_closed_way(TimeNs now);
+  void explore_again();
   void begin_trouble(Trouble trouble, StopReason reason, double side, TimeNs now);
   [[nodiscard]] RecoveryView recovery_view(TimeNs now);
   [[nodiscard]] hal::Twist recover(TimeNs now);
@@ -120,29 +116,23 @@ class Navigator final : private FloorKnowledge {
   [[nodiscard]] hal::Twist look_around(TimeNs now);
   [[nodiscard]] hal::Twist follow(TimeNs now);
   void watch_progress(const hal::Twist& twist, TimeNs now);
+  void push_against(const hal::Twist& twist, TimeNs now);
   [[nodiscard]] bool stands_by(TimeNs now);
   void retry(TimeNs now);
   [[nodiscard]] bool is_at_home() const;
-  [[nodiscard]] double body_radius_m() const { return config_.follower.limits.body_radius_m; }
 
   NavigatorConfig config_;
-  GroundMap ground_;
-  Inflation inflation_;
-  Explorer explorer_;
+  Surroundings floor_;
+  std::unique_ptr<Explorer> explorer_;  ///< made anew when a closed way has opened
   RoutePlanner planner_;
   Follower follower_;
   ArcCheck behind_;
   Recovery recovery_;
+  ProgressWatch progress_;
+  hal::Twist last_twist_;
+  TimeNs last_step_ns_ = 0;
   Mission mission_;
   MissionReport report_;
-
-  BodyTrace trace_;
-  LowView low_view_;
-  NearWatch near_watch_;
-  TimeNs now_ns_ = 0;
-  std::vector<std::uint32_t> changed_;  ///< for the explorer, each once
-  std::vector<std::uint8_t> is_noted_;
-  std::size_t taken_over_ = 0;  ///< how many of the ground map's changed cells
 
   BaseView base_;
   bool has_base_ = false;
@@ -157,15 +147,17 @@ class Navigator final : private FloorKnowledge {
   TimeNs next_refresh_ns_ = 0;
   TimeNs goal_until_ns_ = 0;
   bool is_hemmed_in_ = false;  ///< as of the last plan
+  GoalHistory left_goals_;
+  ClosedWays closed_ways_;
+  bool is_sent_home_ = false;
+  bool is_checking_ = false;  ///< on the way to a closed way, or watching it
+  Waypoint checked_;
+  TimeNs watch_until_ns_ = -1;
   bool is_spinning_ = false;
   double spin_left_rad_ = 0.0;
   double spin_heading_rad_ = 0.0;
 
-  hal::PlanarPose watched_pose_;
-  TimeNs watched_ns_ = 0;
   TimeNs shut_since_ns_ = -1;  ///< -1: is not
-  TimeNs got_on_ns_ = 0;       ///< when it last got anywhere
-  hal::PlanarPose got_on_pose_;
   TimeNs retry_ns_ = -1;
   int retries_ = 0;
   bool is_standing_by_ = false;

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/surroundings.hpp"
+
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+constexpr double kTouchRadius_m = 0.05;
+constexpr double kOneThing_m = 1.0;      // touches this near to each other are of one thing
+constexpr double kCarefulAbout_m = 0.7;  // a touch: panes are wide
+constexpr double kNearTouch_m = 1.8;
+constexpr std::size_t kMostTouches = 256;
+constexpr std::uint8_t kOwnWayCost = 250;
+
+double distance_m(const Waypoint& a, double x_m, double y_m) { return std::hypot(a.x_m - x_m, a.y_m - y_m); }
+
+}  // namespace
+
+double planning_radius_m(double body_radius_m, double cell_m) { return body_radius_m + 0.7 * cell_m; }
+
+Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& config)
+    : body_radius_m_(config.body_radius_m),
+      ground_(grid, config.ground),
+      inflation_(ground_.states(), {planning_radius_m(config.body_radius_m, ground_.resolution_m()),
+                                    config.inflation_radius_m, config.inflation_decay_perm}),
+      trace_(ground_.states(), config.body_radius_m),
+      low_view_(ground_.states(), config.low_view),
+      near_watch_(ground_.states(), config.near_watch),
+      is_noted_(ground_.states().cells.size()),
+      own_way_(inflation_.cost()) {
+  changed_.reserve(is_noted_.size());
+  touches_.reserve(kMostTouches);
+  near_touches_.reserve(kMostTouches);
+}
+
+void Surroundings::note_changed(std::span<const std::uint32_t> cells) {
+  for (const std::uint32_t cell : cells) {
+    if (is_noted_[cell] != 0) continue;
+    is_noted_[cell] = 1;
+    changed_.push_back(cell);
+  }
+}
+
+void Surroundings::forget_changes() {
+  for (const std::uint32_t cell : changed_) is_noted_[cell] = 0;
+  changed_.clear();
+}
+
+void Surroundings::take_over_changes() {
+  const std::span<const std::uint32_t> fresh = ground_.changed_cells().subspan(taken_over_);
+  taken_over_ = ground_.changed_cells().size();
+  if (fresh.empty()) return;
+  inflation_.update(ground_.states(), fresh);
+  note_changed(fresh);
+  note_changed(inflation_.changed_cells());
+}
+
+void Surroundings::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
+                          const hal::PlanarPose& T_world_base) {
+  take_over_changes();  // marks since the last frame
+  ground_.update(map, changed_slots);
+  taken_over_ = 0;
+  take_over_changes();
+  low_view_.look(ground_.states(), T_world_base);
+}
+
+void Surroundings::on_frame(const hal::Frame& frame, const hal::CameraModel& camera,
+                            const hal::PlanarPose& T_world_base, TimeNs now) {
+  near_watch_.look(frame, camera, ground_.states(), T_world_base, now);
+}
+
+void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
+  now_ns_ = now;
+  if (!trace_.tread(pose)) return;
+  ground_.mark_free_disc(pose.x_m, pose.y_m, body_radius_m_);
+  take_over_changes();
+  near_touches_.clear();
+  for (const Waypoint& touch : touches_) {
+    if (distance_m(touch, pose.x_m, pose.y_m) < kNearTouch_m) near_touches_.push_back(touch);
+  }
+}
+
+void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad) {
+  const Waypoint touch = where_touched(ground_.states(), T_world_base, side_rad, body_radius_m_);
+  ground_.mark_contact(touch.x_m, touch.y_m, kTouchRadius_m);
+  for (const Waypoint& other : touches_) {
+    const double length_m = distance_m(other, touch.x_m, touch.y_m);
+    if (length_m > kOneThing_m) continue;
+    for (double s = kTouchRadius_m; s < length_m; s += kTouchRadius_m) {
+      const double x_m = other.x_m + s / length_m * (touch.x_m - other.x_m);
+      const double y_m = other.y_m + s / length_m * (touch.y_m - other.y_m);
+      if (!trace_.is_trodden(ground_.states().cell_of(x_m, y_m))) ground_.mark_contact(x_m, y_m, kTouchRadius_m);
+    }
+  }
+  if (touches_.size() < kMostTouches) {
+    touches_.push_back(touch);
+    near_touches_.push_back(touch);
+  }
+  take_over_changes();
+}
+
+void Surroundings::forget_touches() {
+  ground_.forget_contacts();
+  touches_.clear();
+  near_touches_.clear();
+  take_over_changes();
+}
+
+const CellGrid<std::uint8_t>& Surroundings::cost_of_own_way() {
+  own_way_.cells = inflation_.cost().cells;
+  for (std::size_t i = 0; i < own_way_.cells.size(); ++i) {
+    if (own_way_.cells[i] >= kInscribedCost && trace_.is_trodden(own_way_.cell(i))) own_way_.cells[i] = kOwnWayCost;
+  }
+  return own_way_;
+}
+
+bool Surroundings::is_seen(Cell c) const {
+  if (trace_.is_trodden(c)) return true;
+  for (const Waypoint& touch : near_touches_) {
+    if (distance_m(touch, states().centre_x_m(c), states().centre_y_m(c)) < kCarefulAbout_m) return false;
+  }
+  return ground_.is_floor_seen(c) || low_view_.is_seen(c);
+}
+
+}  // namespace g3d::nav

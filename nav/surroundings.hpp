@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that navigation knows of the floor, and how well: the ground map from the voxels, its costs, what the body itself
+// has trodden and touched, how low the camera has looked, and what stands too near to be measured.
+// One thread. After construction nothing allocates.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hal/messages.hpp"
+#include "hal/twist.hpp"
+#include "mapper/voxel_map.hpp"
+#include "nav/arc_check.hpp"
+#include "nav/body_trace.hpp"
+#include "nav/ground_map.hpp"
+#include "nav/inflation.hpp"
+#include "nav/low_view.hpp"
+#include "nav/near_watch.hpp"
+
+namespace g3d::nav {
+
+struct SurroundingsConfig {
+  GroundMapConfig ground;
+  LowViewConfig low_view;
+  NearWatchConfig near_watch;
+  double body_radius_m = 0.18;
+  double inflation_radius_m = 0.55;
+  double inflation_decay_perm = 8.0;
+};
+
+/// The inscribed radius that planning uses: cells are squares, and a body whose centre is somewhere in its cell must
+/// still pass what is somewhere in another.
+[[nodiscard]] double planning_radius_m(double body_radius_m, double cell_m);
+
+class Surroundings final : public FloorKnowledge {
+ public:
+  Surroundings(const mapper::Grid& grid, const SurroundingsConfig& config);
+
+  void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
+              const hal::PlanarPose& T_world_base);
+  void on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
+                TimeNs now);
+  /// The body is here, now.
+  void on_pose(const hal::PlanarPose& T_world_base, TimeNs now);
+  /// Something was touched by this part of the bumper (0 ahead, kBumperSide_rad left, -kBumperSide_rad right). Touches
+  /// near one another are of one thing: what lies between them is closed as well.
+  void on_touch(const hal::PlanarPose& T_world_base, double side_rad);
+  void forget_touches();
+
+  [[nodiscard]] const GroundMap& ground() const { return ground_; }
+  [[nodiscard]] const CellGrid<CellState>& states() const { return ground_.states(); }
+  [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return inflation_.cost(); }
+  /// The same, but where the body has been it may be again, at a high cost: for the way back. Copies the whole grid.
+  [[nodiscard]] const CellGrid<std::uint8_t>& cost_of_own_way();
+  /// Cells whose state or cost changed since forget_changes(), each once.
+  [[nodiscard]] std::span<const std::uint32_t> changed_cells() const { return changed_; }
+  void forget_changes();
+
+  [[nodiscard]] bool is_seen(Cell c) const override;
+  [[nodiscard]] bool is_suspect(Cell c) const override { return near_watch_.is_suspect(c, now_ns_); }
+
+ private:
+  void take_over_changes();
+  void note_changed(std::span<const std::uint32_t> cells);
+
+  double body_radius_m_;
+  GroundMap ground_;
+  Inflation inflation_;
+  BodyTrace trace_;
+  LowView low_view_;
+  NearWatch near_watch_;
+  TimeNs now_ns_ = 0;
+  std::vector<Waypoint> touches_;
+  std::vector<Waypoint> near_touches_;  ///< near enough to matter for where the robot is
+  std::vector<std::uint32_t> changed_;
+  std::vector<std::uint8_t> is_noted_;
+  CellGrid<std::uint8_t> own_way_;
+  std::size_t taken_over_ = 0;  ///< how many of the ground map's changed cells
+};
+
+}  // namespace g3d::nav

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/surroundings.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
+
+#include "tests/support/voxel_floor.hpp"
+
+using namespace g3d;
+using nav::CellState;
+using tests::Box;
+
+namespace {
+
+struct Scene {
+  tests::KinematicRobot robot;
+  tests::VoxelFloor floor{{-3, -3, 4, 3}};
+  nav::Surroundings here;
+
+  explicit Scene(const std::vector<Box>& boxes) : robot(boxes, {}), here(floor.map().grid(), config()) {}
+  static nav::SurroundingsConfig config() {
+    nav::SurroundingsConfig c;
+    c.ground.side_m = 12.8;
+    return c;
+  }
+  void look(hal::TimeNs now = 0) {
+    here.on_pose(robot.pose(), now);
+    floor.look(robot);
+    here.on_map(floor.map(), floor.changed_slots(), robot.pose());
+  }
+  [[nodiscard]] nav::Cell cell(double x_m, double y_m) const { return here.states().cell_of(x_m, y_m); }
+};
+
+}  // namespace
+
+TEST_CASE("Floor, walls and costs come from the voxels, and every changed cell is named once") {
+  Scene scene({{2.0, -3, 2.2, 3}});
+  scene.look();
+  CHECK(scene.here.states().at(scene.cell(1.5, 0.0)) == CellState::free);
+  CHECK(scene.here.states().at(scene.cell(2.02, 0.0)) == CellState::occupied);
+  CHECK(scene.here.states().at(scene.cell(-1.5, 0.0)) == CellState::unknown);
+  CHECK(scene.here.cost().at(scene.cell(1.95, 0.0)) == nav::kInscribedCost);
+  CHECK(scene.here.cost().at(scene.cell(1.2, 0.0)) == nav::kFreeCost);
+  std::vector<std::uint32_t> changed(scene.here.changed_cells().begin(), scene.here.changed_cells().end());
+  std::sort(changed.begin(), changed.end());
+  CHECK(std::adjacent_find(changed.begin(), changed.end()) == changed.end());
+  for (std::size_t i = 0; i < scene.here.states().cells.size(); ++i) {
+    if (scene.here.states().cells[i] == CellState::unknown && scene.here.cost().cells[i] == nav::kUnknownCost) continue;
+    REQUIRE(std::binary_search(changed.begin(), changed.end(), static_cast<std::uint32_t>(i)));
+  }
+  scene.here.forget_changes();
+  CHECK(scene.here.changed_cells().empty());
+}
+
+TEST_CASE("Seen is where the floor was, where the camera looked low, and where the body was") {
+  Scene scene({});
+  scene.look();
+  CHECK(scene.here.is_seen(scene.cell(1.5, 0.0)));
+  CHECK(scene.here.is_seen(scene.cell(0.9, 0.0)));
+  CHECK(scene.here.is_seen(scene.cell(0.1, 0.0)));
+  CHECK_FALSE(scene.here.is_seen(scene.cell(0.5, 0.0)));
+  CHECK_FALSE(scene.here.is_seen(scene.cell(-0.5, 0.0)));
+}
+
+TEST_CASE("A touch closes the place, makes what is around it doubtful, and can be forgotten") {
+  Scene scene({});
+  scene.look();
+  const nav::Cell touched = scene.cell(0.21, 0.0);
+  scene.here.on_touch({}, 0.0);
+  CHECK(scene.here.states().at(touched) == CellState::occupied);
+  CHECK(scene.here.cost().at(scene.cell(0.32, 0.0)) >= nav::kInscribedCost);
+  CHECK_FALSE(scene.here.is_seen(scene.cell(0.85, 0.0)));
+  CHECK(scene.here.is_seen(scene.cell(1.2, 0.0)));
+  CHECK(scene.here.is_seen(scene.cell(-0.1, 0.0)));  // the body stands there
+  scene.here.forget_touches();
+  CHECK(scene.here.states().at(touched) == CellState::free);
+  CHECK(scene.here.is_seen(scene.cell(0.85, 0.0)));
+}
+
+TEST_CASE("Between two touches that are near each other there is no way through") {
+  Scene scene({});
+  scene.look();
+  scene.here.on_touch({0.8, -0.3, 0.0}, 0.0);
+  CHECK(scene.here.states().at(scene.cell(1.01, 0.0)) == CellState::free);
+  scene.here.on_touch({0.8, 0.3, 0.0}, 0.0);
+  for (double y = -0.3; y <= 0.3; y += 0.04) {
+    CHECK(scene.here.states().at(scene.cell(1.01, y)) == CellState::occupied);
+  }
+  scene.here.on_touch({2.5, 0.0, 0.0}, 0.0);  // another thing
+  CHECK(scene.here.states().at(scene.cell(1.9, 0.0)) == CellState::free);
+}
+
+TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
+  CHECK(nav::planning_radius_m(0.18, 0.05) > 0.18 + 0.025);
+  CHECK(nav::planning_radius_m(0.18, 0.05) < 0.225);  // five cells from an obstacle's centre it fits
+}
