@@ -101,6 +101,11 @@ GridWalls::Hit GridWalls::cast(const std::array<float, 3>& origin_m, const std::
   }
 }
 
+float GridWalls::leaves_walls_at(float z_m, float direction_z) const {
+  const float inverse_z = 1.0F / away_from_zero(direction_z);
+  return std::max((z_low_m_ - z_m) * inverse_z, (z_high_m_ - z_m) * inverse_z);
+}
+
 bool GridWalls::is_solid(float x_m, float y_m, float z_m) const {
   if (!(z_m >= z_low_m_ && z_m <= z_high_m_)) return false;
   const float i = (x_m - origin_m_[0]) / cell_m_;

@@ -30,6 +30,8 @@ class GridWalls {
   /// First wall along origin + t * direction for 0 <= t < t_max. The direction need not have length 1.
   [[nodiscard]] Hit cast(const std::array<float, 3>& origin_m, const std::array<float, 3>& direction,
                          float t_max) const;
+  /// Ray parameter at which a ray from height `z_m`, between the walls' feet and tops, rises or falls out of them.
+  [[nodiscard]] float leaves_walls_at(float z_m, float direction_z) const;
   [[nodiscard]] bool is_solid(float x_m, float y_m, float z_m) const;
 
   [[nodiscard]] int width_cells() const { return width_cells_; }

@@ -193,13 +193,34 @@ void RayCaster::cast_opaque(Tile& tile) const {
 }
 
 void RayCaster::cast_grid(Tile& tile, const std::array<float, 3>& camera_m) const {
-  for (std::size_t n = 0; n < kTilePixels; ++n) {
-    const GridWalls::Hit hit =
-        world_.grid()->cast(camera_m, {tile.rays.x[n], tile.rays.y[n], tile.rays.z[n]}, tile.hits.depth_m[n]);
-    if (hit.t >= tile.hits.depth_m[n]) continue;
+  const GridWalls& grid = *world_.grid();
+  const bool is_between = camera_m[2] > grid.z_low_m() && camera_m[2] < grid.z_high_m();
+  const auto note = [&tile](std::size_t n, const GridWalls::Hit& hit) {
     tile.hits.depth_m[n] = hit.t;
     tile.hits.solid[n] = kGridSolid;
     tile.grid_axis[n] = static_cast<std::uint8_t>(hit.axis);
+  };
+  for (std::size_t i = 0; i < kTileSide_px; ++i) {
+    // Where the camera is level, all rays of a column run above one line on the floor and meet the same wall.
+    bool is_level = is_between;
+    float farthest_m = 0.0F;
+    for (std::size_t n = i; n < kTilePixels; n += kTileSide_px) {
+      is_level = is_level && tile.rays.x[n] == tile.rays.x[i] && tile.rays.y[n] == tile.rays.y[i];
+      farthest_m = std::max(farthest_m, tile.hits.depth_m[n]);
+    }
+    GridWalls::Hit shared{};
+    if (is_level) shared = grid.cast(camera_m, {tile.rays.x[i], tile.rays.y[i], 0.0F}, farthest_m);
+    for (std::size_t n = i; n < kTilePixels; n += kTileSide_px) {
+      if (is_level) {
+        if (shared.t < tile.hits.depth_m[n] && shared.t < grid.leaves_walls_at(camera_m[2], tile.rays.z[n])) {
+          note(n, shared);
+        }
+        continue;
+      }
+      const GridWalls::Hit hit =
+          grid.cast(camera_m, {tile.rays.x[n], tile.rays.y[n], tile.rays.z[n]}, tile.hits.depth_m[n]);
+      if (hit.t < tile.hits.depth_m[n]) note(n, hit);
+    }
   }
 }
 

@@ -153,3 +153,48 @@ TEST_CASE("movers are drawn where the caller puts them, and a hidden one is not"
   caster.render(eye, ahead, static_cast<std::int32_t>(mover), view);
   CHECK(view.depth_m[middle] == Approx(4.9).margin(1e-3));
 }
+
+TEST_CASE("a level camera sees walls of a grid exactly where single rays meet them") {
+  std::vector<std::uint8_t> solid(120 * 100, 0);
+  std::uint32_t state = 7;
+  for (auto& cell : solid) {
+    state = state * 1664525U + 1013904223U;
+    cell = (state >> 24) < 12 ? 1 : 0;
+  }
+  World world;
+  world.add_floor({3, 2.5, 0}, 20, 20, 0.1, {});
+  world.set_grid(GridWalls(120, 100, 0.05F, {0.0F, 0.0F}, 0.0F, 0.9F, solid));
+  CameraModel camera;
+  camera.width_px = 160;
+  camera.height_px = 120;
+  camera.fx_px = camera.fy_px = 131.25F;
+  camera.cx_px = 79.5F;
+  camera.cy_px = 59.5F;
+  RayCaster caster(world, camera, 1);
+  ExactView view(camera);
+  for (int k = 0; k < 12; ++k) {
+    // Level, and for comparison looking down a little.
+    const double a = 0.5236 * k + 0.1;
+    const double down = k % 3 == 2 ? -0.1 : 0.0;
+    const Pose eye = look_at({3.01, 2.52, 0.5}, {3.01 + std::cos(a), 2.52 + std::sin(a), 0.5 + down});
+    caster.render(eye, 0, view);
+    const RigidTransform t = to_transform(eye);
+    for (int v = 0; v < 120; ++v) {
+      for (int u = 0; u < 160; ++u) {
+        const float x = (static_cast<float>(u) - camera.cx_px) / camera.fx_px;
+        const float y = (static_cast<float>(v) - camera.cy_px) / camera.fy_px;
+        const auto& r = t.rotation;
+        const std::array<float, 3> d = {r[0] * x + r[1] * y + r[2], r[3] * x + r[4] * y + r[5],
+                                        r[6] * x + r[7] * y + r[8]};
+        const float wall = world.grid()->cast(t.translation_m, d, GridWalls::kMiss).t;
+        const float seen = view.depth_m[static_cast<std::size_t>(v * 160 + u)];
+        if (seen == 0.0F) {
+          REQUIRE(wall == GridWalls::kMiss);
+        } else if (seen != wall) {
+          REQUIRE(seen < wall);
+          REQUIRE(seen * d[2] == Approx(-t.translation_m[2]).epsilon(1e-3));  // the floor
+        }
+      }
+    }
+  }
+}
