@@ -58,8 +58,9 @@ ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_nul
 TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
 FUZZ_RUNS ?= 5000
 TEST_ARGS ?=
+BENCH_ARGS ?=
 
-.PHONY: all help unit-tests system-tests test asan tsan fuzz bench bench-full soak format lint tidy house clean \
+.PHONY: all help unit-tests system-tests test asan tsan fuzz bench bench-full bench-explore soak format lint tidy house clean \
   build-test build-asan build-tsan fuzz-here tsan-tests tsan-run
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -127,6 +128,9 @@ bench-full: all $(BENCH_EXE) ## the same with all frames: OctoMap takes an hour
 $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
+
+bench-explore: all ## every world and building map from many starts, hours; resumable (see scripts/bench_explore)
+	G3DMAP_EXE=$(abspath $(EXE)) scripts/bench_explore $(BENCH_ARGS)
 
 soak: build-test ## the long runs, hours of them; starts again where it was stopped
 	scripts/soak

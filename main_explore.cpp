@@ -27,6 +27,7 @@
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
 #include "nav/coverage.hpp"
+#include "nav/exploration_picture.hpp"
 #include "nav/exploration_report.hpp"
 #include "nav/outputs.hpp"
 #include "nav/robot.hpp"
@@ -152,9 +153,17 @@ std::vector<std::pair<std::string, std::uint64_t>> safety_stops(const hal::kobuk
   return stops;
 }
 
-nav::OutsideView outside_view(const hal::RobotRecord& record) {
-  return {record.contacts, record.contacts_measurable, record.contacts_moving, record.fastest_contact_mps,
-          record.closest_clearance_m};
+/// exploration.png: the way, what is left, and the coverage.
+hal::Result<mapper::WrittenFile> write_picture(const nav::ExplorationReport& explored, const nav::Navigator& navigator,
+                                               std::span<const hal::Pose> poses, const std::string& world_name,
+                                               const std::string& path) {
+  const std::string name = std::filesystem::path(world_name).stem().string();
+  const auto bytes = nav::write_exploration_picture(
+      {&navigator.ground().states(), navigator.frontier_cells(), poses, navigator.home(), explored.mission->coverage(),
+       explored.time_s, nav::exploration_title(name, explored)},
+      path);
+  if (!bytes) return bytes.error();
+  return mapper::WrittenFile{path, "way, frontiers and coverage", bytes.value()};
 }
 
 /// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
@@ -323,8 +332,12 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   explored.time_s = robot.navigator().report().time_s(exploration.now_ns());
   explored.home = mission.is_over();
   explored.state = nav::name_of(mission.state());
-  explored.outside = outside_view(building.record(0));
+  explored.outside = nav::outside_view(building.record(0));
   explored.safety_stops = safety_stops(robot.base());
+  const auto drawn =
+      write_picture(explored, robot.navigator(), exploration.poses(), world_name, mapping.out_dir + "/exploration.png");
+  if (drawn) outputs.files.push_back(drawn.value());
+  if (!drawn) failures.push_back(drawn.error());
   mapper::RunReport report;
   report.frames = robot.frames();
   report.stages = {{"integrate", robot.integrate_times()}, {"navigate", robot.navigate_times()}};

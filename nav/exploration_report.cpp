@@ -3,13 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
+
+#include "hal/sim/sim_building.hpp"
 
 namespace g3d::nav {
 namespace {
 
-double rounded(double x, double step) { return std::round(x / step) * step; }
-double milli(double x) { return std::round(x * 1e3) / 1e3; }
+double rounded(double x, double parts) { return std::round(x * parts) / parts; }
+double milli(double x) { return rounded(x, 1e3); }
 
 void write_time(mapper::JsonWriter& json, const char* key, const std::optional<double>& time_s) {
   if (time_s) {
@@ -19,14 +22,44 @@ void write_time(mapper::JsonWriter& json, const char* key, const std::optional<d
   }
 }
 
+void write_contacts(mapper::JsonWriter& json, const std::vector<ContactSeen>& contacts) {
+  json.key("contacts").begin_array();
+  for (const ContactSeen& contact : contacts) {
+    json.begin_object().member("at_s", milli(contact.time_s));
+    json.member("x_m", milli(contact.x_m)).member("y_m", milli(contact.y_m));
+    json.member("speed_mps", milli(contact.speed_mps)).member("bumper_flags", contact.bumper_flags);
+    json.member("solid", contact.solid).member("moving", contact.is_moving);
+    json.member("measurable", contact.is_measurable).end_object();
+  }
+  json.end_array();
+}
+
+std::string spoken_time(const std::optional<double>& time_s) {
+  return time_s ? fmt::format("{:.0f} s", *time_s) : std::string("never");
+}
+
 }  // namespace
+
+OutsideView outside_view(const hal::RobotRecord& record) {
+  OutsideView view;
+  view.contacts = record.contacts;
+  view.contacts_measurable = record.contacts_measurable;
+  view.contacts_moving = record.contacts_moving;
+  view.fastest_contact_mps = record.fastest_contact_mps;
+  view.closest_clearance_m = record.closest_clearance_m;
+  for (const hal::ContactEvent& event : record.events) {
+    view.contact_list.push_back({static_cast<double>(event.time_ns) / 1e9, event.at.x_m, event.at.y_m, event.speed_mps,
+                                 event.bumper, event.solid, event.moving, event.measurable});
+  }
+  return view;
+}
 
 void write_exploration(mapper::JsonWriter& json, const ExplorationReport& report) {
   const MissionReport& mission = *report.mission;
   json.key("exploration").begin_object();
   json.key("coverage").begin_array();
   for (const CoverageSample& sample : mission.coverage()) {
-    json.begin_array().value(milli(sample.time_s)).value(rounded(sample.fraction, 1e-5)).end_array();
+    json.begin_array().value(milli(sample.time_s)).value(rounded(sample.fraction, 1e5)).end_array();
   }
   json.end_array();
   write_time(json, "t90_s", mission.time_to_s(0.90));
@@ -40,6 +73,7 @@ void write_exploration(mapper::JsonWriter& json, const ExplorationReport& report
     json.member("collisions_moving", outside.contacts_moving);
     json.member("fastest_collision_mps", milli(outside.fastest_contact_mps));
     json.member("closest_clearance_m", milli(outside.closest_clearance_m));
+    write_contacts(json, outside.contact_list);
   }
   json.member("home", report.home).member("state", report.state);
   json.key("stops").begin_object();
@@ -60,16 +94,13 @@ void write_exploration(mapper::JsonWriter& json, const ExplorationReport& report
 std::string exploration_text(const ExplorationReport& report) {
   const MissionReport& mission = *report.mission;
   std::string text;
-  const auto time = [](const std::optional<double>& t) {
-    return t ? fmt::format("{:.0f} s", *t) : std::string("never");
-  };
   text +=
       fmt::format("  explored    {:.0f} s, {:.1f} m driven, {:.0f} degrees turned, {}\n", report.time_s, mission.path_m,
                   mission.rotation_rad * 57.29578, report.home ? "home again" : "not home: " + report.state);
   if (!mission.coverage().empty()) {
     text += fmt::format("  coverage    {:.2f} % of what can be seen; 90 % after {}, 95 % {}, 99 % {}\n",
-                        100.0 * mission.coverage().back().fraction, time(mission.time_to_s(0.90)),
-                        time(mission.time_to_s(0.95)), time(mission.time_to_s(0.99)));
+                        100.0 * mission.coverage().back().fraction, spoken_time(mission.time_to_s(0.90)),
+                        spoken_time(mission.time_to_s(0.95)), spoken_time(mission.time_to_s(0.99)));
   }
   if (report.outside) {
     text +=
@@ -87,6 +118,20 @@ std::string exploration_text(const ExplorationReport& report) {
   }
   text += fmt::format("  left        {}\n", left.empty() ? "nothing" : left);
   return text;
+}
+
+std::string exploration_title(std::string_view world, const ExplorationReport& report) {
+  const MissionReport& mission = *report.mission;
+  std::string title = fmt::format("{}:", world);
+  if (!mission.coverage().empty()) {
+    title += fmt::format(" {:.1f} % seen, 95 %: {}, 99 %: {},", 100.0 * mission.coverage().back().fraction,
+                         spoken_time(mission.time_to_s(0.95)), spoken_time(mission.time_to_s(0.99)));
+  }
+  title += fmt::format(" {} {:.0f} s, {:.0f} m", report.home ? "home after" : "not home after", report.time_s,
+                       mission.path_m);
+  for (char& letter : title)
+    letter = letter == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return title;
 }
 
 }  // namespace g3d::nav
