@@ -4,16 +4,9 @@
 #include <algorithm>
 
 namespace g3d::nav {
-namespace {
 
 using mapper::kBlockSide_cells;
 using mapper::State;
-
-// Whatever is hit twice in the band is an obstacle: the carry of one bit into the next.
-static_assert(kObstacle == kHitOnce << 1);
-Evidence add(Evidence sum, Evidence more) { return static_cast<Evidence>(sum | more | ((sum & more & kHitOnce) << 1)); }
-
-}  // namespace
 
 ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std::uint8_t speckle_level)
     : voxels_per_cell_(voxels_per_cell),
@@ -53,40 +46,35 @@ ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std:
   }
 }
 
-void ColumnReader::read(const mapper::VoxelMap& map, std::int32_t block_x, std::int32_t block_y, Cells& cells) const {
-  cells.fill(0);
-  for (std::int32_t block_z = first_block_z_; block_z <= last_block_z_; ++block_z) {
-    const std::uint32_t slot = map.find(mapper::encode({block_x, block_y, block_z}));
-    if (slot == mapper::kNoSlot) continue;
-    const auto& kinds = kinds_[static_cast<std::size_t>(block_z - first_block_z_)];
-    Meanings meanings{};
-    for (std::size_t z = 0; z < kinds.size(); ++z) meanings[z] = meaning_[static_cast<std::size_t>(kinds[z])].data();
-    const mapper::BlockHeader& header = map.header(slot);
-    if (header.plane == mapper::kNoSlot) {
-      read_uniform(header.uniform_level, meanings, cells);
-    } else {
-      read_plane(map.plane(header.plane), meanings, cells);
-    }
-  }
-  for (Evidence& cell : cells) {
-    if ((cell & kFloorSeen) != 0) cell &= static_cast<Evidence>(~kDropSeen);
+void ColumnReader::read(const mapper::VoxelMap& map, std::uint32_t slot, std::int32_t block_z, Cells cells) const {
+  cells = cells.first(static_cast<std::size_t>(cells_per_block_) * static_cast<std::size_t>(cells_per_block_));
+  const auto& kinds = kinds_[static_cast<std::size_t>(block_z - first_block_z_)];
+  Meanings meanings{};
+  for (std::size_t z = 0; z < kinds.size(); ++z) meanings[z] = meaning_[static_cast<std::size_t>(kinds[z])].data();
+  const mapper::BlockHeader& header = map.header(slot);
+  if (header.plane == mapper::kNoSlot) {
+    read_uniform(header.uniform_level, meanings, cells);
+  } else {
+    read_plane(map.plane(header.plane), meanings, cells);
   }
 }
 
-void ColumnReader::read_uniform(std::uint8_t level, const Meanings& meanings, Cells& cells) const {
+void ColumnReader::read_uniform(std::uint8_t level, const Meanings& meanings, Cells cells) const {
   Evidence all = 0;
   for (const Evidence* meaning : meanings) {
     const Evidence one = meaning[level & mapper::kLevelMask];
-    all = add(all, voxels_per_cell_ > 1 ? add(one, one) : one);
+    all = together(all, voxels_per_cell_ > 1 ? together(one, one) : one);
   }
-  for (Evidence& cell : cells) cell = add(cell, all);
+  std::fill(cells.begin(), cells.end(), all);
 }
 
-void ColumnReader::read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells& cells) const {
+void ColumnReader::read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells cells) const {
+  std::array<Evidence, kBlockSide_cells * kBlockSide_cells> sums{};
   for (std::size_t place = 0; place < levels.size(); ++place) {
-    Evidence& cell = cells[cell_of_place_[place]];
-    cell = add(cell, meanings[z_of_place_[place]][levels[place] & mapper::kLevelMask]);
+    Evidence& cell = sums[cell_of_place_[place]];
+    cell = together(cell, meanings[z_of_place_[place]][levels[place] & mapper::kLevelMask]);
   }
+  std::copy_n(sums.begin(), cells.size(), cells.begin());
 }
 
 }  // namespace g3d::nav

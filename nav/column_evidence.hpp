@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the voxels of one column of blocks say about the floor cells below them. A pure function of the map.
+// What the voxels of one block say about the floor cells below it, and what the blocks of a column say together.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "mapper/voxel_map.hpp"
 #include "nav/ground_layers.hpp"
@@ -11,13 +12,23 @@
 namespace g3d::nav {
 
 /// Bits, as many as apply.
-using Evidence = std::uint16_t;
+using Evidence = std::uint8_t;
 inline constexpr Evidence kFloorSeen = 1;  ///< an occupied voxel of the floor layers
 inline constexpr Evidence kAirSeen = 2;    ///< a free voxel of the air layers
-inline constexpr Evidence kDropSeen = 4;   ///< a free voxel of the drop layers, and no floor
+inline constexpr Evidence kDropSeen = 4;   ///< a free voxel of the drop layers (and no floor: see settled())
 inline constexpr Evidence kHitOnce = 8;    ///< an occupied voxel of the band
 inline constexpr Evidence kObstacle = 16;  ///< two of them, or one that was hit more than once
 inline constexpr Evidence kLowSeen = 32;   ///< a free voxel of the low layers
+
+/// Of voxels, or blocks, one above the other. Whatever is hit twice in the band is an obstacle.
+[[nodiscard]] constexpr Evidence together(Evidence a, Evidence b) {
+  static_assert(kObstacle == kHitOnce << 1);
+  return static_cast<Evidence>(a | b | ((a & b & kHitOnce) << 1));
+}
+/// Of a whole column: where there is floor there is no drop.
+[[nodiscard]] constexpr Evidence settled(Evidence column) {
+  return static_cast<Evidence>((column & kFloorSeen) != 0 ? column & ~kDropSeen : column);
+}
 
 class ColumnReader {
  public:
@@ -28,9 +39,10 @@ class ColumnReader {
   [[nodiscard]] std::int32_t first_block_z() const { return first_block_z_; }
   [[nodiscard]] std::int32_t last_block_z() const { return last_block_z_; }
 
-  using Cells = std::array<Evidence, mapper::kBlockSide_cells * mapper::kBlockSide_cells>;
-  /// Of the blocks at (block_x, block_y) (voxel index / 8), into `cells[y * cells_per_block + x]`.
-  void read(const mapper::VoxelMap& map, std::int32_t block_x, std::int32_t block_y, Cells& cells) const;
+  /// `cells[y * cells_per_block + x]`; the others are not touched.
+  using Cells = std::span<Evidence>;
+  /// What the block of this slot says, which lies in block layer `block_z`.
+  void read(const mapper::VoxelMap& map, std::uint32_t slot, std::int32_t block_z, Cells cells) const;
 
  private:
   enum class Layer : std::uint8_t { none, drop, floor, low, air, upper_band };
@@ -40,8 +52,8 @@ class ColumnReader {
   /// What a level means in each of the eight layers of a block.
   using Meanings = std::array<const Evidence*, mapper::kBlockSide_cells>;
 
-  void read_uniform(std::uint8_t level, const Meanings& meanings, Cells& cells) const;
-  void read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells& cells) const;
+  void read_uniform(std::uint8_t level, const Meanings& meanings, Cells cells) const;
+  void read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells cells) const;
 
   int voxels_per_cell_;
   int cells_per_block_;

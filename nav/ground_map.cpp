@@ -13,6 +13,7 @@ using mapper::VoxelMap;
 
 constexpr std::int32_t kAxis_blocks = mapper::kAxisCells / kBlockSide_cells;
 constexpr double kMaxSide_blocks = 4096;
+constexpr std::size_t kTouched_bytes = std::size_t{64} << 20;  // provided before the first frame
 
 double block_side_m(const mapper::Grid& grid) { return kBlockSide_cells * static_cast<double>(grid.resolution_m); }
 
@@ -48,41 +49,46 @@ GroundMap::GroundMap(const mapper::Grid& grid, const GroundMapConfig& config)
       first_block_x_(first_block(grid, config.centre_x_m, side_blocks_)),
       first_block_y_(first_block(grid, config.centre_y_m, side_blocks_)),
       states_(make_states(grid, side_blocks_, first_block_x_, first_block_y_)),
+      block_layers_(reader_.last_block_z() - reader_.first_block_z() + 1),
+      block_evidence_(states_.cells.size() * static_cast<std::size_t>(block_layers_)),
       evidence_(states_.cells.size()),
       drops_near_(states_.cells.size()),
       floors_near_(states_.cells.size()),
-      slot_key_(config.max_slots, VoxelMap::kNoKey),
-      stack_noted_(static_cast<std::size_t>(side_blocks_) * static_cast<std::size_t>(side_blocks_)) {
+      slot_key_(config.max_slots, VoxelMap::kNoKey) {
   const int margin = static_cast<int>((config.margin_m + 1e-6) / states_.resolution_m);
   for (int y = -margin; y <= margin; ++y) {
     for (int x = -margin; x <= margin; ++x) {
       if (std::hypot(x, y) * states_.resolution_m <= config.margin_m + 1e-6) margin_offsets_.push_back({x, y});
     }
   }
-  stacks_.reserve(stack_noted_.size());
+  places_.reserve(config.max_slots);
+  block_evidence_.touch(kTouched_bytes);
   changed_.reserve(2 * states_.cells.size());
 }
 
 void GroundMap::update(const VoxelMap& map, std::span<const std::uint32_t> changed_slots) {
   forget_published_changes();
   for (const std::uint32_t slot : changed_slots) {
-    if (slot >= slot_key_.size()) continue;
     const BlockKey key = map.header(slot).key;
-    if (slot_key_[slot] != key) note_block(slot_key_[slot]);
-    note_block(key);
-    slot_key_[slot] = key;
+    const bool is_followed = slot < slot_key_.size();
+    note_block(key == VoxelMap::kNoKey && is_followed ? slot_key_[slot] : key);
+    if (is_followed) slot_key_[slot] = key;
   }
-  read_noted_stacks(map);
+  read_noted_blocks(map);
 }
 
 void GroundMap::rebuild(const VoxelMap& map) {
   forget_published_changes();
-  std::fill(slot_key_.begin(), slot_key_.end(), VoxelMap::kNoKey);
-  const std::size_t slots = std::min<std::size_t>(map.slot_end(), slot_key_.size());
-  for (std::uint32_t slot = 0; slot < slots; ++slot) slot_key_[slot] = map.header(slot).key;
-  stacks_.clear();
-  for (std::uint32_t stack = 0; stack < stack_noted_.size(); ++stack) stacks_.push_back(stack);
-  read_noted_stacks(map);
+  block_evidence_.reset();
+  for (std::uint32_t slot = 0; slot < map.slot_end(); ++slot) {
+    note_block(map.header(slot).key);
+    if (slot < slot_key_.size()) slot_key_[slot] = map.header(slot).key;
+  }
+  for (const std::uint32_t place : places_) read_block(map, place);
+  places_.clear();
+  const int stacks = side_blocks_ * side_blocks_;
+  for (int stack = 0; stack < stacks; ++stack) sum_up_stack(static_cast<std::uint32_t>(stack));
+  published_ = changed_.size();
 }
 
 void GroundMap::forget_published_changes() {
@@ -97,42 +103,57 @@ void GroundMap::note_block(BlockKey key) {
   const std::int32_t column = block.x - first_block_x_;
   const std::int32_t row = block.y - first_block_y_;
   if (column < 0 || row < 0 || column >= side_blocks_ || row >= side_blocks_) return;
-  const auto stack = static_cast<std::uint32_t>(row * side_blocks_ + column);
-  if (stack_noted_[stack] != 0) return;
-  stack_noted_[stack] = 1;
-  stacks_.push_back(stack);
+  const std::int32_t layer = block.z - reader_.first_block_z();
+  places_.push_back(static_cast<std::uint32_t>((row * side_blocks_ + column) * block_layers_ + layer));
 }
 
-void GroundMap::read_noted_stacks(const VoxelMap& map) {
+void GroundMap::read_noted_blocks(const VoxelMap& map) {
   // The order in which a frame's blocks are reported depends on threads; what comes out of here must not.
-  std::sort(stacks_.begin(), stacks_.end());
-  for (const std::uint32_t stack : stacks_) {
-    stack_noted_[stack] = 0;
-    read_stack(map, stack);
+  std::sort(places_.begin(), places_.end());
+  const auto layers = static_cast<std::uint32_t>(block_layers_);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    read_block(map, places_[i]);
+    const std::uint32_t stack = places_[i] / layers;
+    if (i + 1 == places_.size() || places_[i + 1] / layers != stack) sum_up_stack(stack);
   }
-  stacks_.clear();
+  places_.clear();
   published_ = changed_.size();
 }
 
-void GroundMap::read_stack(const VoxelMap& map, std::uint32_t stack) {
+void GroundMap::read_block(const VoxelMap& map, std::uint32_t place) {
+  const int stack = static_cast<int>(place) / block_layers_;
+  const std::int32_t block_z = reader_.first_block_z() + static_cast<int>(place) % block_layers_;
+  const auto cells = static_cast<std::size_t>(reader_.cells_per_block() * reader_.cells_per_block());
+  const std::span<Evidence> said{block_evidence_.data() + place * cells, cells};
+  const std::uint32_t slot =
+      map.find(mapper::encode({first_block_x_ + stack % side_blocks_, first_block_y_ + stack / side_blocks_, block_z}));
+  if (slot == mapper::kNoSlot) {
+    std::fill(said.begin(), said.end(), Evidence{0});
+  } else {
+    reader_.read(map, slot, block_z, said);
+  }
+}
+
+void GroundMap::sum_up_stack(std::uint32_t stack) {
   const int column = static_cast<int>(stack) % side_blocks_;
   const int row = static_cast<int>(stack) / side_blocks_;
-  ColumnReader::Cells found;
-  reader_.read(map, first_block_x_ + column, first_block_y_ + row, found);
   const int side = reader_.cells_per_block();
-  for (int y = 0; y < side; ++y) {
-    for (int x = 0; x < side; ++x) {
-      set_evidence({column * side + x, row * side + y}, found[static_cast<std::size_t>(y * side + x)]);
-    }
+  const int cells = side * side;
+  const Evidence* said =
+      block_evidence_.data() + static_cast<std::size_t>(stack) * static_cast<std::size_t>(cells * block_layers_);
+  for (int i = 0; i < cells; ++i) {
+    Evidence sum = 0;
+    for (int layer = 0; layer < block_layers_; ++layer) sum = together(sum, said[layer * cells + i]);
+    set_evidence({column * side + i % side, row * side + i / side}, settled(sum));
   }
 }
 
 void GroundMap::set_evidence(Cell c, Evidence from_voxels) {
-  Evidence& evidence = evidence_[states_.index(c)];
-  const Evidence before = evidence & kFromVoxels;
+  Marked& evidence = evidence_[states_.index(c)];
+  const Marked before = evidence & kFromVoxels;
   if (from_voxels == before) return;
-  evidence = static_cast<Evidence>((evidence & ~kFromVoxels) | from_voxels);
-  const Evidence flipped = from_voxels ^ before;
+  evidence = static_cast<Marked>((evidence & ~kFromVoxels) | from_voxels);
+  const Marked flipped = from_voxels ^ before;
   if ((flipped & kDropSeen) != 0) spread(c, drops_near_, (from_voxels & kDropSeen) != 0 ? 1 : -1);
   if ((flipped & kFloorSeen) != 0) spread(c, floors_near_, (from_voxels & kFloorSeen) != 0 ? 1 : -1);
   if ((flipped & kHitOnce) != 0) refresh_around(c);
@@ -170,7 +191,7 @@ void GroundMap::refresh(Cell c) {
 
 CellState GroundMap::judge(Cell c) const {
   const std::size_t index = states_.index(c);
-  const Evidence evidence = evidence_[index];
+  const Marked evidence = evidence_[index];
   const bool floor_seen = (evidence & kFloorSeen) != 0;
   if ((evidence & kObstacle) != 0) return CellState::occupied;
   if ((evidence & kHitOnce) != 0 && has_hit_neighbour(c)) return CellState::occupied;
@@ -212,8 +233,8 @@ void GroundMap::mark_free_disc(double x_m, double y_m, double radius_m) {
 
 void GroundMap::mark_contact(double x_m, double y_m, double radius_m) {
   for_disc(x_m, y_m, radius_m, [&](Cell c) {
-    Evidence& evidence = evidence_[states_.index(c)];
-    evidence = static_cast<Evidence>(evidence | kContact | ((evidence & kFloorSeen) != 0 ? kDistrusted : 0));
+    Marked& evidence = evidence_[states_.index(c)];
+    evidence = static_cast<Marked>(evidence | kContact | ((evidence & kFloorSeen) != 0 ? kDistrusted : 0));
     refresh(c);
   });
 }
@@ -221,7 +242,7 @@ void GroundMap::mark_contact(double x_m, double y_m, double radius_m) {
 void GroundMap::forget_contacts() {
   for (std::size_t i = 0; i < evidence_.size(); ++i) {
     if ((evidence_[i] & kContact) == 0) continue;
-    evidence_[i] &= static_cast<Evidence>(~(kContact | kDistrusted));
+    evidence_[i] &= static_cast<Marked>(~(kContact | kDistrusted));
     refresh(states_.cell(i));
   }
 }

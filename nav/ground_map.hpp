@@ -21,6 +21,7 @@
 #include <span>
 #include <vector>
 
+#include "mapper/pool.hpp"
 #include "mapper/voxel_map.hpp"
 #include "nav/cell_grid.hpp"
 #include "nav/column_evidence.hpp"
@@ -35,15 +36,15 @@ struct GroundMapConfig {
   GroundHeights heights;
   double margin_m = 0.3;  ///< about cells whose floor was not seen, neighbours within this distance have a say
   std::uint8_t speckle_level = 20;     ///< an occupied voxel up to this level was hit once (16 + MapperConfig's hit)
-  std::uint32_t max_slots = 1U << 18;  ///< of the voxel map: MapCapacity::blocks
+  std::uint32_t max_slots = 1U << 18;  ///< of the voxel map (MapCapacity::blocks): whose loss is noticed
 };
 
 class GroundMap {
  public:
   GroundMap(const mapper::Grid& grid, const GroundMapConfig& config);
 
-  /// Takes over what changed. A slot whose block is gone, or belongs to another block now, has its old place forgotten;
-  /// blocks that are merely paged out are not reported, and stay known here.
+  /// Takes over what changed. A slot that is empty now has the block forgotten that it was last reported with. Blocks
+  /// that leave without being reported (paged out, their slots perhaps taken by others) stay known here as they were.
   void update(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots);
   /// Everything anew. Marks stay.
   void rebuild(const mapper::VoxelMap& map);
@@ -69,17 +70,19 @@ class GroundMap {
   [[nodiscard]] double resolution_m() const { return states_.resolution_m; }
 
  private:
-  // Evidence of a cell: the low bits come from the voxels (column_evidence.hpp), the others from marks.
-  static constexpr Evidence kFromVoxels = kFloorSeen | kAirSeen | kLowSeen | kDropSeen | kHitOnce | kObstacle;
-  static constexpr Evidence kStart = 256, kContact = 512, kDistrusted = 1024;
+  // Of a cell: the low bits come from the voxels (column_evidence.hpp), the others from marks.
+  using Marked = std::uint16_t;
+  static constexpr Marked kFromVoxels = kFloorSeen | kAirSeen | kLowSeen | kDropSeen | kHitOnce | kObstacle;
+  static constexpr Marked kStart = 256, kContact = 512, kDistrusted = 1024;
 
-  [[nodiscard]] bool has(Cell c, Evidence bit) const {
+  [[nodiscard]] bool has(Cell c, Marked bit) const {
     return states_.contains(c) && (evidence_[states_.index(c)] & bit) != 0;
   }
   void forget_published_changes();
   void note_block(mapper::BlockKey key);
-  void read_noted_stacks(const mapper::VoxelMap& map);
-  void read_stack(const mapper::VoxelMap& map, std::uint32_t stack);
+  void read_noted_blocks(const mapper::VoxelMap& map);
+  void read_block(const mapper::VoxelMap& map, std::uint32_t place);
+  void sum_up_stack(std::uint32_t stack);
   void set_evidence(Cell c, Evidence from_voxels);
   void spread(Cell c, std::vector<std::uint16_t>& counts, int step);
   void refresh(Cell c);
@@ -96,15 +99,16 @@ class GroundMap {
   std::int32_t first_block_x_;  ///< block coordinates (voxel index / 8) of the lower left corner
   std::int32_t first_block_y_;
   CellGrid<CellState> states_;
-  std::vector<Evidence> evidence_;
+  int block_layers_;
+  mapper::ReservedArray<Evidence> block_evidence_;  ///< what each block said last: [stack][layer][cell]
+  std::vector<Marked> evidence_;
   std::vector<std::uint16_t> drops_near_;   ///< drop cells within margin_m
   std::vector<std::uint16_t> floors_near_;  ///< cells within margin_m whose floor was seen
   std::vector<Cell> margin_offsets_;
   std::vector<std::uint32_t> changed_;
   std::size_t published_ = 0;               ///< how many of changed_ the last update() has shown
   std::vector<mapper::BlockKey> slot_key_;  ///< whose block a slot held when it was last reported
-  std::vector<std::uint32_t> stacks_;       ///< columns of blocks to read again: row * side_blocks_ + column
-  std::vector<std::uint8_t> stack_noted_;
+  std::vector<std::uint32_t> places_;       ///< blocks to read again: stack * block_layers_ + layer
 };
 
 }  // namespace g3d::nav

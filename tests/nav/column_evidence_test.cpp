@@ -19,8 +19,8 @@ Evidence of_voxel(float resolution_m, float z_m, std::uint8_t level,
   values[mapper::encode({at.x, at.y, at.z + 1}) & mapper::kPlaceMask] = second_level;
   REQUIRE(map.write_block(mapper::block_of(at), values));
   const ColumnReader reader(ground_layers(map.grid(), {}), voxels_per_ground_cell(map.grid()), 20);
-  ColumnReader::Cells cells;
-  reader.read(map, at.x / 8, at.y / 8, cells);
+  std::array<Evidence, 64> cells{};
+  reader.read(map, map.find(mapper::block_of(at)), at.z / 8, cells);
   const int voxels = voxels_per_ground_cell(map.grid());
   const int x = at.x % 8 / voxels;
   const int y = at.y % 8 / voxels;
@@ -62,10 +62,10 @@ TEST_CASE("A uniform block says what its 512 voxels would say one by one") {
         if (dense.find(key) == mapper::kNoSlot) continue;
         REQUIRE(dense.header(dense.find(key)).plane == mapper::kNoSlot);
         REQUIRE(dense.make_dense(dense.header(dense.find(key))));
-        ColumnReader::Cells a;
-        ColumnReader::Cells b;
-        reader.read(uniform, 4096, 4096, a);
-        reader.read(dense, 4096, 4096, b);
+        std::array<Evidence, 64> a{};
+        std::array<Evidence, 64> b{};
+        reader.read(uniform, uniform.find(key), z, a);
+        reader.read(dense, dense.find(key), z, b);
         const std::size_t cells = static_cast<std::size_t>(reader.cells_per_block() * reader.cells_per_block());
         for (std::size_t i = 0; i < cells; ++i) REQUIRE(a[i] == b[i]);
       }
@@ -73,19 +73,10 @@ TEST_CASE("A uniform block says what its 512 voxels would say one by one") {
   }
 }
 
-TEST_CASE("Where floor was seen there is no drop, whatever was seen below it") {
-  mapper::VoxelMap map({0.05F}, {64, 64, 64});
-  mapper::BlockValues values;
-  values.fill(mapper::kUnknownLevel);
-  const mapper::VoxelIndex floor = map.grid().to_index(0.01F, 0.01F, -0.01F);
-  values[mapper::encode(floor) & mapper::kPlaceMask] = 28;
-  values[mapper::encode({floor.x, floor.y, floor.z - 2}) & mapper::kPlaceMask] = 2;
-  values[mapper::encode({floor.x + 1, floor.y, floor.z - 2}) & mapper::kPlaceMask] = 2;
-  REQUIRE(map.write_block(mapper::block_of(floor), values));
-  const ColumnReader reader(ground_layers(map.grid(), {}), 1, 20);
-  ColumnReader::Cells cells;
-  reader.read(map, floor.x / 8, floor.y / 8, cells);
-  const std::size_t place = static_cast<std::size_t>(floor.y % 8 * 8 + floor.x % 8);
-  CHECK(cells[place] == kFloorSeen);
-  CHECK(cells[place + 1] == kDropSeen);
+TEST_CASE("Blocks one above the other make an obstacle of two single hits, and of floor and drop a floor") {
+  CHECK(together(kHitOnce, kAirSeen) == (kHitOnce | kAirSeen));
+  CHECK(together(kHitOnce, kHitOnce) == (kHitOnce | kObstacle));
+  CHECK(together(kHitOnce | kObstacle, kFloorSeen) == (kHitOnce | kObstacle | kFloorSeen));
+  CHECK(settled(together(kFloorSeen, kDropSeen)) == kFloorSeen);
+  CHECK(settled(kDropSeen | kAirSeen) == (kDropSeen | kAirSeen));
 }

@@ -66,8 +66,9 @@ TEST_CASE("The ground map is what a computation from scratch gives, whatever hap
         const mapper::BlockKey key = mapper::encode({near(4096, 7), near(4096, 7), near(4097, 10)});
         const std::uint32_t old_slot = map.find(key);
         if (old_slot != mapper::kNoSlot && random.below(4) == 0) {
-          REQUIRE(map.erase_block(key));  // its slot may be another block's by now
-          slots.push_back(old_slot);
+          REQUIRE(map.erase_block(key));
+          ground.update(map, {&old_slot, 1});  // its slot may soon be another block's
+          for (const std::uint32_t i : ground.changed_cells()) followed.cells[i] = ground.states().cells[i];
           continue;
         }
         mapper::BlockValues values;
@@ -237,6 +238,26 @@ TEST_CASE("A contact stays where the camera had seen a free floor, and goes wher
   bench.ground.forget_contacts();
   CHECK(bench.at(0.425, 0.525) == CellState::free);
   CHECK(bench.at(1.025, 0.525) == CellState::free);
+}
+
+TEST_CASE("What was paged out stays known, even where its neighbour above changes") {
+  Bench bench;
+  bench.floor(0.52, 0.52);
+  const mapper::BlockKey floor_block = mapper::block_of(bench.map.grid().to_index(0.52F, 0.52F, -0.001F));
+  REQUIRE(bench.map.erase_block(floor_block));  // a window does so without a word
+  bench.set(2.02, 2.02, 0.2, 28);               // takes its slot
+  CHECK(bench.at(0.52, 0.52) == CellState::free);
+  bench.set(0.52, 0.52, 0.2, 4);
+  CHECK(bench.ground.is_floor_seen(bench.ground.states().cell_of(0.52, 0.52)));
+  bench.set(0.52, 0.52, 0.2, 28);
+  CHECK(bench.at(0.52, 0.52) == CellState::occupied);
+  const std::uint32_t slot = bench.map.find(mapper::block_of(bench.map.grid().to_index(0.52F, 0.52F, 0.2F)));
+  REQUIRE(bench.map.erase_block(mapper::block_of(bench.map.grid().to_index(0.52F, 0.52F, 0.2F))));
+  bench.ground.update(bench.map, {&slot, 1});  // this one is really gone
+  CHECK(bench.at(0.52, 0.52) == CellState::free);
+  bench.ground.rebuild(bench.map);  // memory alone counts now
+  CHECK(bench.at(0.52, 0.52) == CellState::unknown);
+  CHECK(bench.at(2.02, 2.02) == CellState::occupied);
 }
 
 TEST_CASE("Blocks outside of the square are nobody's business") {
