@@ -7,6 +7,7 @@
 
 #include "mapper/cpu/block_updater.hpp"
 #include "mapper/cpu/depth_pyramid.hpp"
+#include "mapper/cpu/exact_rays.hpp"
 #include "mapper/cpu/free_space.hpp"
 #include "mapper/cpu/hit_scatter.hpp"
 #include "mapper/cpu/projective.hpp"
@@ -27,6 +28,9 @@ std::uint16_t mask_raw(const MapperConfig& config, const hal::CameraModel& camer
 std::unique_ptr<cpu::FreeSpace> make_free_space(const MapperConfig& config, const cpu::SensorGeometry& sensor) {
   if (config.mode == MapMode::static_mode) return nullptr;
   if (config.integrator == IntegratorKind::projective) return std::make_unique<cpu::Projective>(sensor);
+  if (config.integrator == IntegratorKind::dda && cpu::ExactRays::pays(sensor)) {
+    return std::make_unique<cpu::ExactRays>(sensor);
+  }
   return std::make_unique<cpu::RayGrid>(sensor, config.integrator);
 }
 

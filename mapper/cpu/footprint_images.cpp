@@ -49,6 +49,17 @@ FootprintImages::Choice FootprintImages::choose(float size_px) const {
   return {level, std::clamp(static_cast<int>(cells + 0.5F), least, kMaxWindow)};
 }
 
+// Windows begin at whole cells: one cell more than the size makes up for it.
+std::optional<FootprintImages::Choice> FootprintImages::covering(float size_px) const {
+  float cells = size_px;
+  for (int level = 0; level < level_count(); ++level, cells *= 0.5F) {
+    const int least = level == 0 ? smallest_window_ : kFirstWindowAbove;
+    if (least > kMaxWindow || cells + 1.0F > static_cast<float>(kMaxWindow)) continue;
+    return Choice{level, std::max(static_cast<int>(std::ceil(cells + 1.0F)), least)};
+  }
+  return std::nullopt;
+}
+
 void FootprintImages::compute(const RayEnds& ends, const Kernels& kernels, ThreadPool& pool, float smallest_px) {
   ends_ = ends.padded();
   smallest_px_ = smallest_px;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "mapper/cpu/kernels/kernels.hpp"
@@ -37,6 +38,9 @@ class FootprintImages {
   };
   /// The image whose window comes closest to `size_px` (the largest there is for larger ones).
   [[nodiscard]] Choice choose(float size_px) const;
+  /// A window that covers size_px pixels around its middle wherever that lies within a cell; nothing if none is so
+  /// large.
+  [[nodiscard]] std::optional<Choice> covering(float size_px) const;
   [[nodiscard]] const std::uint16_t* image(Choice choice) const {
     if (choice.level == 0 && choice.window_cells == 1) return ends_;
     return images_[static_cast<std::size_t>(choice.level)][static_cast<std::size_t>(choice.window_cells)].data();

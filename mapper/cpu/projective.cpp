@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "mapper/cpu/projection_tables.hpp"
+
 namespace g3d::mapper::cpu {
 namespace {
 
@@ -79,21 +81,9 @@ void Projective::fill_windows(const hal::CameraModel& camera) {
 }
 
 void Projective::fill_tables(const SensorGeometry& sensor, const FrameGeometry& frame) {
-  const auto& R = frame.rotation;
-  const float r = sensor.resolution_m;
-  for (std::size_t place = 0; place < kBlockVoxels; ++place) {
-    const VoxelIndex v = decode(place);
-    const float x = static_cast<float>(v.x) * r;
-    const float y = static_cast<float>(v.y) * r;
-    const float z = static_cast<float>(v.z) * r;
-    tables_.x_px_m[place] = sensor.camera.fx_px * (R[0] * x + R[3] * y + R[6] * z);
-    tables_.y_px_m[place] = sensor.camera.fy_px * (R[1] * x + R[4] * y + R[7] * z);
-    tables_.z_units[place] = sensor.camera.depth_units_per_metre * (R[2] * x + R[5] * y + R[8] * z);
-    // The middle of a brick of 4x4x4 voxels lies half way between its first voxel and its last.
-    if (place % kBrickVoxels == kBrickVoxels - 1) {
-      middle_units_[place / kBrickVoxels] =
-          0.5F * (tables_.z_units[place - (kBrickVoxels - 1)] + tables_.z_units[place]);
-    }
+  fill_projection_tables(sensor, frame, tables_);
+  for (std::size_t brick = 0; brick < kBricksPerBlock; ++brick) {
+    middle_units_[brick] = middle_of_brick(tables_.z_units, brick * kBrickVoxels);
   }
 }
 

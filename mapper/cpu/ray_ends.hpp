@@ -37,6 +37,8 @@ class RayEnds {
   [[nodiscard]] std::uint16_t at(int u, int v) const { return ends_[index(u, v)]; }
   /// True if the end rests on a reading.
   [[nodiscard]] bool is_strong(int u, int v) const { return depth_[static_cast<std::size_t>(v * width_ + u)] != 0; }
+  /// No ray ends nearer, whatever the image.
+  [[nodiscard]] std::uint16_t least_end() const { return least_end_; }
   [[nodiscard]] const std::uint16_t* padded() const { return ends_.data(); }
   [[nodiscard]] int stride() const { return stride_; }
   [[nodiscard]] const std::uint8_t* colour_flags() const { return colour_flags_.data(); }
@@ -60,6 +62,7 @@ class RayEnds {
   bool carve_invalid_;
   bool mask_is_one_row_;  ///< the mask made from the intrinsics is the same everywhere
   std::vector<std::uint16_t> mask_;
+  std::uint16_t least_end_;
   std::vector<std::uint16_t> ends_;
   std::vector<std::uint8_t> colour_flags_;
   std::vector<std::uint8_t> blind_;  ///< 1 where there is no reading; rows are padded

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstring>
 
+#include "mapper/cpu/one_ray.hpp"
+
 namespace g3d::mapper::cpu {
 namespace {
 
@@ -101,7 +103,10 @@ void RayGrid::offer(const FrameWork& work) {
   walk(work, true);
   grid_[static_cast<std::size_t>(work.frame.block_count()) * kBlockVoxels] =
       0;  // the spare cell: the next box may reach it
-  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F);
+  // A mark in a block that is thought hidden would turn up in a later frame.
+  ExactBounds bounds;
+  bounds.slack_m = walk_error_cells(work.sensor, work.frame) * work.sensor.resolution_m;
+  const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F, bounds);
   const std::uint32_t chunks = visible.chunk_count();
   work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
                      visible.blocks_per_chunk(), work.pool.threads() == 1);

@@ -16,13 +16,14 @@ std::array<float, 3> voxel_in_camera_m(const SensorGeometry& sensor, const Frame
 }
 
 VisibleBlocks::VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& frame, const DepthPyramid& pyramid,
-                             const Kernels& kernels, float footprint_px_m, float bias_m)
+                             const Kernels& kernels, float footprint_px_m, float bias_m, const ExactBounds& exact)
     : sensor_(&sensor),
       frame_(&frame),
       pyramid_(&pyramid),
       kernels_(&kernels),
       footprint_px_m_(footprint_px_m),
       bias_m_(bias_m),
+      exact_(exact),
       supers_{(frame.nx_blocks + 3) / 4, (frame.ny_blocks + 3) / 4, (frame.nz_blocks + 3) / 4},
       super_view_(box_view(4 * kBlockSide_cells)),
       block_view_(box_view(kBlockSide_cells)),
@@ -49,7 +50,7 @@ VisibleBlocks::VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& 
 BoxView VisibleBlocks::box_view(int side_cells) const {
   const auto& R = frame_->rotation;
   const hal::CameraModel& camera = sensor_->camera;
-  const float half_m = 0.5F * sensor_->resolution_m * static_cast<float>(side_cells);
+  const float half_m = 0.5F * sensor_->resolution_m * static_cast<float>(side_cells) + exact_.slack_m;
   BoxView view;
   view.half_x_m = half_m * (std::abs(R[0]) + std::abs(R[3]) + std::abs(R[6]));
   view.half_y_m = half_m * (std::abs(R[1]) + std::abs(R[4]) + std::abs(R[7]));
@@ -106,7 +107,8 @@ std::array<BlockClass, 8> VisibleBlocks::classify_bricks(const BlockView& block)
     // What holds for the rays of the block holds for those of its bricks.
     if (block.farthest_m < boxes.z_m[i] - half_z_m) {
       found = BlockClass::hidden;
-    } else if (block.nearest_m > behind_m(boxes.z_m[i], half_z_m)) {
+    } else if (const float behind = behind_m(boxes.z_m[i], half_z_m);
+               block.nearest_m > behind && behind <= exact_.sure_m) {
       found = BlockClass::all_free;
     } else {
       found = decide(boxes, i, brick_view_, rays);
@@ -121,10 +123,13 @@ BlockClass VisibleBlocks::decide(const BoxBounds& boxes, int i, const BoxView& v
   rays.farthest_m = static_cast<float>(ends.max) * sensor_->metres_per_unit;
   if (ends.max == 0 || rays.farthest_m < boxes.z_m[i] - view.half_z_m) return BlockClass::hidden;
   const bool is_inside = boxes.inside[i] != 0;
-  if (!is_inside) return boxes.clear[i] != 0 ? BlockClass::look : BlockClass::look_at_border;
+  if (!is_inside) {
+    // Exact rays end at the image's border wherever the voxel reaches.
+    return boxes.clear[i] != 0 && footprint_px_m_ > 0.0F ? BlockClass::look : BlockClass::look_at_border;
+  }
   // Every window contains its voxel's own pixel: if the rays of all these reach beyond the cube, all voxels are free.
   const float behind = behind_m(boxes.z_m[i], view.half_z_m);
-  if (rays.farthest_m <= behind && &view != &block_view_) return BlockClass::look;
+  if ((rays.farthest_m <= behind && &view != &block_view_) || behind > exact_.sure_m) return BlockClass::look;
   const DepthPyramid::Range own =
       pyramid_->range(boxes.centre_u0[i], boxes.centre_v0[i], boxes.centre_u1[i], boxes.centre_v1[i]);
   rays.nearest_m = static_cast<float>(own.min) * sensor_->metres_per_unit;

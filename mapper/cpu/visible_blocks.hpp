@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "mapper/cpu/depth_pyramid.hpp"
 #include "mapper/cpu/frame_geometry.hpp"
@@ -33,12 +34,18 @@ struct BlockView {
   float nearest_m = -3.4e38F;  ///< no ray through a voxel's middle ends nearer
 };
 
+/// What rounding and the raster of pixels mean for exact rays.
+struct ExactBounds {
+  float sure_m = std::numeric_limits<float>::infinity();  ///< no voxel behind this depth passes for all free
+  float slack_m = 0;  ///< by how much rounding may carry a ray beside or beyond its line: cubes are this much larger
+};
+
 class VisibleBlocks {
  public:
   /// `footprint_px_m`: a voxel at depth z is looked up in a window of about footprint_px_m / z pixels; 0 = none.
   /// `bias_m`: a voxel is free only if the ray reaches this far beyond its centre (projective); 0 for exact rays.
   VisibleBlocks(const SensorGeometry& sensor, const FrameGeometry& frame, const DepthPyramid& pyramid,
-                const Kernels& kernels, float footprint_px_m, float bias_m);
+                const Kernels& kernels, float footprint_px_m, float bias_m, const ExactBounds& exact = {});
 
   [[nodiscard]] std::uint32_t chunk_count() const { return static_cast<std::uint32_t>(supers_[1] * supers_[2]); }
   /// No chunk visits more blocks.
@@ -112,6 +119,7 @@ class VisibleBlocks {
   const Kernels* kernels_;
   float footprint_px_m_;
   float bias_m_;
+  ExactBounds exact_;
   std::array<int, 3> supers_;
   BoxView super_view_;
   BoxView block_view_;

@@ -167,6 +167,8 @@ const Kernels& table() {
                                   project_brick,
                                   apply_block,
                                   any_contested,
+                                  sort_brick,
+                                  find_ray,
                                   walk_rays,
                                   walk_bresenham};
   return kTable;

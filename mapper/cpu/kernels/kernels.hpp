@@ -110,6 +110,72 @@ struct ProjectBrick {
   const std::uint16_t* image;
 };
 
+/// One brick of 64 voxels against the exact rays: which does the ray of the pixel at their middle pass for certain,
+/// which can no ray reach?
+struct SortBrick {
+  const ProjectionTables* tables;
+  int first_place;
+  float x_px_m;  ///< as in ProjectBrick
+  float y_px_m;
+  float z_units;
+  float metres_per_unit;
+  float half_z_units;  ///< half a voxel's extent along the optical axis, and what rounding may change
+  float sure_units;    ///< no deeper voxel passes for certain: it may lie between the pixels
+  float middle_x;      ///< principal point, padding and half a pixel: the pixel of a coordinate is its integer part
+  float middle_y;
+  float first_px;  ///< first column and row, padding included
+  float end_x;     ///< one past the last
+  float end_y;
+  const std::uint16_t* ends;  ///< padded
+  int ends_stride;
+  const std::uint16_t* farthest;  ///< image of maxima over windows that cover a voxel, or nullptr: too near for one
+  int farthest_stride;
+  float scale;  ///< for that image as in ProjectBrick
+  float shift_x;
+  float shift_y;
+  float first_cell;  ///< smallest start cell along both axes
+  float last_x;
+  float last_y;
+  float left_px;  ///< as in ProjectBrick
+  float right_px;
+  float top_px;
+  float bottom_px;
+  float reach_px_m[4];
+};
+
+inline constexpr std::uint8_t kPassed = 1;  ///< what sort_brick says of a voxel: a ray passes it for certain
+inline constexpr std::uint8_t kOpen = 2;    ///< some ray may pass it; 0: none does
+
+/// What is the same for all voxels of a frame when the rays through one of them are sought.
+struct RaySearch {
+  const std::uint16_t* ends;  ///< at pixel (0, 0); 64 more than the image may be read
+  int ends_stride;
+  std::uint16_t least_end;  ///< no ray ends nearer than here, none farther than there
+  std::uint16_t most_end;
+  const std::uint16_t* depth;  ///< readings, without padding
+  int width_px;
+  int height_px;
+  const float* column_slope;  ///< 32 more than the image may be read
+  const float* row_slope;
+  float fx_px;
+  float fy_px;
+  float cx_px;
+  float cy_px;
+  float metres_per_unit;
+  float resolution_m;
+  float rotation[9];
+  float translation[3];
+  // What follows from these:
+  float start[3];         ///< translation / resolution
+  float most_coordinate;  ///< largest magnitude among them
+  float cells_per_unit;   ///< voxels in a raw depth unit, and the reverse
+  float units_per_cell;
+  float half_z;                   ///< half extent of a voxel along the optical axis, in voxels
+  alignas(32) float corner_x[8];  ///< a voxel's corners from its centre along the camera's axes, in voxels
+  alignas(32) float corner_y[8];
+  alignas(32) float corner_z[8];
+};
+
 struct ApplyBlock {
   std::uint8_t* levels;      ///< 512 stored bytes, updated in place
   const std::uint8_t* hits;  ///< 512 flags, or nullptr: no hit in this block
@@ -207,6 +273,10 @@ struct Kernels {
   ApplyResult (*apply_block)(const ApplyBlock&);
   /// Is any occupied voxel without a hit marked kWeakFree?
   bool (*any_contested)(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free);
+  /// Says of 64 voxels what is certain; returns whether any may be passed.
+  bool (*sort_brick)(const SortBrick&, std::uint8_t* sorted);
+  /// Does an exact ray (of a measured pixel, if `strong`) pass the voxel (x, y, z) before its last one?
+  bool (*find_ray)(const RaySearch&, const std::int32_t* voxel, bool strong);
   void (*walk_rays)(const RayRow&);
   void (*walk_bresenham)(const RayRow&);
 };

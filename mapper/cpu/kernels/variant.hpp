@@ -18,6 +18,8 @@ void bound_boxes(const BoxView& view, int count, BoxBounds& boxes);
 bool project_brick(const ProjectBrick& brick, std::uint8_t* free);
 ApplyResult apply_block(const ApplyBlock& block);
 bool any_contested(const std::uint8_t* levels, const std::uint8_t* hits, const std::uint8_t* free);
+bool sort_brick(const SortBrick& brick, std::uint8_t* sorted);
+bool find_ray(const RaySearch& search, const std::int32_t* voxel, bool strong);
 void walk_rays(const RayRow& row);
 void walk_bresenham(const RayRow& row);
 const Kernels& table();

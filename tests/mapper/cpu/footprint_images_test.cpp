@@ -81,6 +81,27 @@ TEST_CASE("the chosen window comes closest to the size that was asked for") {
   CHECK(largest.window_cells == kMaxWindow);
 }
 
+TEST_CASE("a covering window covers what was asked for, wherever its middle lies, and is one that is computed") {
+  for (const float smallest_px : {1.0F, 5.0F, 9.0F}) {
+    const FootprintImages images(640, 480, smallest_px);
+    for (float size_px = smallest_px; size_px < 380.0F; size_px *= 1.07F) {
+      const auto choice = images.covering(size_px);
+      REQUIRE(choice);
+      REQUIRE(choice->window_cells <= kMaxWindow);
+      // From the second level on windows of 4 cells and more are computed, on the first those that were announced.
+      REQUIRE(static_cast<float>(choice->window_cells) >= (choice->level > 0 ? 4.0F : smallest_px));
+      const auto cell_px = static_cast<float>(1 << choice->level);
+      const auto m = static_cast<float>(choice->window_cells);
+      for (float u = 100.0F; u < 100.0F + cell_px; u += 0.23F) {
+        const float begin = std::floor((u + 0.5F) / cell_px - 0.5F * m + 0.5F) * cell_px;
+        REQUIRE(begin <= u + 0.5F - 0.5F * size_px);
+        REQUIRE(begin + m * cell_px >= u + 0.5F + 0.5F * size_px);
+      }
+    }
+    CHECK_FALSE(images.covering(1e4F));
+  }
+}
+
 TEST_CASE("levels halve the image until nothing is left to halve") {
   const FootprintImages images(37, 5, 1.0F);
   REQUIRE(images.level_count() >= 3);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "mapper/map_hash.hpp"
+#include "tests/support/free_space_run.hpp"
 #include "tests/support/kernel_variants.hpp"
 #include "tests/support/plain_mapper.hpp"
 #include "tests/support/test_frames.hpp"
@@ -26,37 +27,6 @@ void check_against_plain(const MapperConfig& config, const test::Workload& work)
     REQUIRE(plain.differences(mapper.map()) == "");
   }
   CHECK(plain.hash() == map_hash(mapper.map()));
-}
-
-/// The integrator put together by hand, so that its kernels can be chosen.
-std::string hash_with(const Kernels& kernels, const MapperConfig& config, const test::Workload& work) {
-  const SensorGeometry sensor(work.camera, config.resolution_m, config.near_m, config.far_m);
-  VoxelMap map(Grid{config.resolution_m}, config.capacity);
-  ThreadPool pool(config.threads);
-  RayEnds ends(sensor, {}, 3000, true);
-  DepthPyramid pyramid(work.camera.width_px, work.camera.height_px);
-  HitScatter hits(sensor);
-  BlockUpdater updater(map, sensor, config.steps);
-  Projective projective(sensor);
-  std::uint32_t number = 0;
-  for (const auto& [frame, pose] : work.frames) {
-    const auto geometry = frame_geometry(sensor, hal::to_transform(pose));
-    if (!geometry) return "out of range";
-    ends.compute(frame.depth.get(), kernels, pool);
-    hits.clear();
-    hits.compute(*geometry, ends, frame.rgb.get(), kernels, pool);
-    pyramid.compute(ends, best_kernels(), pool);
-    projective.offer({sensor, *geometry, ends, pyramid, hits, updater, kernels, pool, true, ++number});
-    for (int s = 0; s < HitScatter::kShards; ++s) {
-      for (const std::uint32_t index : hits.shard(s)) {
-        HitRecord& record = hits.record(index);
-        if (record.consumed == 0)
-          updater.offer_hits(updater.chunks() - 1, geometry->block_key(record.block_id), record);
-      }
-    }
-    updater.finish(pool);
-  }
-  return map_hash(map);
 }
 
 }  // namespace
@@ -105,8 +75,9 @@ TEST_CASE("every set of kernels gives the same map, for any number of threads", 
   for (const Kernels* kernels : test::kernel_variants()) {
     for (const int threads : {1, 2, 3}) {
       config.threads = threads;
+      Projective projective(SensorGeometry(camera, config.resolution_m, config.near_m, config.far_m));
       INFO(kernels->name << ", " << threads << " threads");
-      CHECK(hash_with(*kernels, config, work) == expected);
+      CHECK(test::hash_of_run(projective, *kernels, config, work) == expected);
     }
   }
 }

@@ -80,6 +80,12 @@ TEST_CASE("rays give the map of the plain walk on simulated and recorded frames"
   }
 }
 
+TEST_CASE("what strays beyond the image's border is not left for a later frame") {
+  MapperConfig config;
+  config.integrator = IntegratorKind::bresenham;
+  check_against_plain(config, test::simulated_drive("furnished_room", 2, 1.5, 21.0));
+}
+
 TEST_CASE("the exact rays agree with OctoMap on a simulated drive") {
   const test::Workload work = test::simulated_drive("furnished_room", 6, 0.2, 2.0, 160);
   check_faithful(work, 0.05F);

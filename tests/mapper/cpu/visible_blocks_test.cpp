@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -108,6 +109,44 @@ TEST_CASE("no voxel of a hidden block or brick is free, every voxel of an all-fr
     }
   }
   for (const int count : blocks) CHECK(count > 20);  // each answer is given often enough to be worth something
+  for (const int count : bricks) CHECK(count > 20);
+}
+
+TEST_CASE("rays pass all voxels of blocks and bricks that are all free, and none of hidden ones, within exact bounds") {
+  std::array<int, 4> blocks{};
+  std::array<int, 4> bricks{};
+  for (std::uint64_t seed = 30; seed < 38; ++seed) {
+    const View view(0.1F, seed);
+    ExactBounds bounds;
+    bounds.sure_m = 0.49F * 0.1F * view.camera.fx_px / std::sqrt(0.5F);
+    bounds.slack_m = 0.01F * 0.1F;
+    const VisibleBlocks visible(view.sensor, view.frame, view.pyramid, best_kernels(), 0.0F, 0.0F, bounds);
+    const auto free = view.free_voxels(IntegratorKind::dda);
+    const auto classes = classes_of(visible, view.frame);
+    int wrong = 0;
+    const auto judge = [&](BlockClass found, const std::array<bool, 512>& flags, std::size_t from, std::size_t count) {
+      const auto passed = static_cast<std::size_t>(std::count(&flags[from], &flags[from] + count, true));
+      if (found == BlockClass::hidden) wrong += passed != 0 ? 1 : 0;
+      if (found == BlockClass::all_free) wrong += passed != count ? 1 : 0;
+    };
+    for (std::uint32_t id = 0; id < view.frame.block_count(); ++id) {
+      const auto known = free.find(view.frame.block_key(id));
+      const std::array<bool, 512> flags = known == free.end() ? std::array<bool, 512>{} : known->second;
+      const auto visit = classes.find(id);
+      const BlockClass found = visit == classes.end() ? BlockClass::hidden : visit->second.found;
+      ++blocks[static_cast<std::size_t>(found)];
+      judge(found, flags, 0, 512);
+      if (visit == classes.end()) continue;
+      const auto of_bricks = visible.classify_bricks(visit->second.view);
+      for (std::size_t b = 0; b < 8; ++b) {
+        ++bricks[static_cast<std::size_t>(of_bricks[b])];
+        judge(of_bricks[b], flags, 64 * b, 64);
+      }
+    }
+    INFO("seed " << seed);
+    REQUIRE(wrong == 0);
+  }
+  CHECK(blocks[static_cast<std::size_t>(BlockClass::hidden)] > 20);
   for (const int count : bricks) CHECK(count > 20);
 }
 
