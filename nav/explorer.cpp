@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "nav/explain.hpp"
@@ -94,7 +95,7 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   origin_y_m = ground.origin_y_m;
   const double area = ground.resolution_m * ground.resolution_m / (0.05 * 0.05);
   min_gain_cells = config.min_gain_cells / area;
-  const ViewModel model{config.near_m, config.far_m, config.view_rad, kHope_m};
+  const ViewModel model{config.near_m, config.far_m, config.view_rad, config.camera_forward_m, kHope_m};
   camera = std::make_unique<ViewGain>(model, ground.resolution_m);
   frontiers.reset(ground);
   roads.reset(cost, config.body_radius_m);
@@ -183,7 +184,7 @@ std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, c
     for (const double least : {kRichViews_cells[0] * scale, kRichViews_cells[1] * scale, min_gain_cells}) {
       tour.set_min_gain(std::max(least, min_gain_cells));
       const std::span<const View> views =
-          tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), allowed);
+          tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), std::ref(allowed));
       if (!views.empty()) return views;
     }
     if (complete) return {};

@@ -14,7 +14,8 @@ constexpr float kNearHope = 0.3F;
 
 ViewGain::ViewGain(const ViewModel& model, double resolution_m) : model_(model) {
   window_ = std::clamp(static_cast<int>(model.view_rad / kBearing_rad), 1, kBearings);
-  const double far_cells = model.far_m / resolution_m;
+  const double ahead_cells = model.forward_m / resolution_m;
+  const double far_cells = model.far_m / resolution_m + ahead_cells;
   constexpr double kRay_rad = 6.283185307179586 / kViewRays;
   for (int ray = 0; ray < kViewRays; ++ray) {
     first_[static_cast<std::size_t>(ray)] = static_cast<std::uint32_t>(steps_.size());
@@ -32,7 +33,7 @@ ViewGain::ViewGain(const ViewModel& model, double resolution_m) : model_(model) 
       Step step;
       step.dx = static_cast<std::int16_t>(x);
       step.dy = static_cast<std::int16_t>(y);
-      step.range_m = static_cast<float>(at * resolution_m);
+      step.range_m = static_cast<float>((at - ahead_cells) * resolution_m);
       step.cells = static_cast<float>((leave * leave - at * at) / 2 * kRay_rad);
       step.fade = static_cast<float>(std::exp(-(leave - at) * resolution_m / model.hope_m));
       steps_.push_back(step);
@@ -68,7 +69,7 @@ void ViewGain::look(const CellGrid<CellState>& ground, Cell at, PanoramaGain& ou
         if (step.range_m < near_m) gain = {};
         break;
       }
-      if (state == CellState::unknown) {
+      if (state == CellState::unknown && step.range_m >= 0.0F) {
         if (gain.entry == RayGain::kNothing) {
           if (before == RayGain::kNothing) break;
           gain.entry = before;

@@ -17,7 +17,8 @@ struct ViewModel {
   double near_m = 0.8;
   double far_m = 3.5;
   double view_rad = 0.995;
-  double hope_m = 1.5;  ///< depth into the unknown at which the chance of still seeing on has fallen to 1/e
+  double forward_m = 0.0;  ///< camera in front of the place, whichever way it is turned
+  double hope_m = 1.5;     ///< depth into the unknown at which the chance of still seeing on has fallen to 1/e
 };
 
 inline constexpr int kBearings = 72;       ///< 5 degrees each; bearing b covers [b, b + 1) * 5 degrees from world x
@@ -48,7 +49,7 @@ class ViewGain {
   struct Step {
     std::int16_t dx = 0;
     std::int16_t dy = 0;
-    float range_m = 0.0F;  ///< at which the ray enters the cell
+    float range_m = 0.0F;  ///< from the camera to where the ray enters the cell; negative between place and camera
     float cells = 0.0F;    ///< area that it stands for in this cell
     float fade = 1.0F;     ///< factor on hope when the cell is unknown
   };

@@ -81,3 +81,25 @@ TEST_CASE("the grid's rim ends rays, and the window is a little less than the ca
   CHECK(camera.window() * kBearing_rad <= 0.995);
   CHECK(camera.window() * kBearing_rad > 0.9);
 }
+
+TEST_CASE("a camera in front of the place sees farther, and measures what is too near to it even less") {
+  ViewModel model;
+  model.forward_m = 0.3;
+  const ViewGain ahead(model, 0.05);
+  const ViewGain centred(ViewModel{}, 0.05);
+  Ground ground(0.05, 0.0, 0.0, 201, 201, CellState::free);
+  for (int y = 0; y < 201; ++y) ground.at({174, y}) = CellState::unknown;  // 3.7 m to the east
+  PanoramaGain gain;
+  centred.look(ground, {100, 100}, gain);
+  CHECK(gain[0].entry == RayGain::kNothing);
+  ahead.look(ground, {100, 100}, gain);
+  CHECK(gain[0].entry != RayGain::kNothing);
+
+  ground = Ground(0.05, 0.0, 0.0, 201, 201, CellState::free);
+  for (int y = 0; y < 201; ++y) ground.at({118, y}) = CellState::unknown;
+  for (int y = 0; y < 201; ++y) ground.at({120, y}) = CellState::occupied;  // 1 m to the east
+  centred.look(ground, {100, 100}, gain);
+  CHECK(gain[0].entry != RayGain::kNothing);
+  ahead.look(ground, {100, 100}, gain);
+  CHECK(gain[0].entry == RayGain::kNothing);
+}
