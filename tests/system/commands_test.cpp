@@ -153,6 +153,39 @@ TEST_CASE("bad usage is exit code 2 and says what is wrong", "[system][usage]") 
   }
 }
 
+TEST_CASE("what robots cannot do is bad usage, and says which option and how", "[system][usage][explore]") {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--robots", "0"}, "--robots"},
+      {{"--robots", "2"}, "--robots"},
+      {{"--robots", "1", "--camera", "160"}, "--camera '160'"},
+      {{"--robots", "1", "--camera", "160x120"}, "160x120@10"},
+      {{"--robots", "1", "--camera", "@10x3"}, "--camera"},
+      {{"--robots", "1", "--camera", "8x120@10"}, "16 to"},
+      {{"--robots", "1", "--camera", "160x120@0"}, "0.5 to"},
+      {{"--robots", "1", "--camera", "160x120@nan"}, "0.5 to"},
+      {{"--robots", "1", "--camera", "1e9x120@10"}, "--camera"},
+      {{"--robots", "1", "--area", "0,0,1"}, "X0,Y0,X1,Y1"},
+      {{"--robots", "1", "--area", "0,0,1,1,"}, "X0,Y0,X1,Y1"},
+      {{"--robots", "1", "--area", "2,0,1,1"}, "X0 < X1"},
+      {{"--robots", "1", "--area", "a,0,1,1"}, "--area"},
+      {{"--robots", "1", "--drift", "-1"}, "--drift"},
+      {{"--robots", "1", "--camera-path", "some.path"}, "--camera-path"},
+      {{"--robots", "1", "--laps", "2"}, "--laps"},
+      {{"--robots", "1", "--mode", "static"}, "free space"},
+      {{"--robots", "1", "--window", "5"}, "--window"},
+  };
+  const TempFolder folder;
+  for (const auto& [extra, named] : cases) {
+    std::vector<std::string> arguments{"sim", "--world", "maze", "--quiet", "--out", folder / "out"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    const ProgramResult result = run_g3dmap(arguments);
+    INFO(extra.back() << ": " << result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(contains(result.err, named));
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+  }
+}
+
 TEST_CASE("what cannot be done at run time is exit code 1 and names the file", "[system][usage]") {
   const TempFolder folder;
   write_plain(folder / "bad.g3d", "not a map");
