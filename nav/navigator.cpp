@@ -14,8 +14,7 @@ constexpr double kOffPath_m = 0.35;    // farther from the path: another one is 
 constexpr double kSlowest_mps = 0.12;  // on average, until a goal takes too long
 constexpr double kGoalGrace_s = 25.0;
 constexpr double kSpun_rad = 0.05;
-constexpr double kAgain_s = 0.1;                // between decisions when one fails after the other
-constexpr std::uint32_t kHemmedIn_cells = 400;  // reached no more than this: it is the robot that is shut in
+constexpr double kAgain_s = 0.1;  // between decisions when one fails after the other
 
 TimeNs after(TimeNs now, double seconds) { return now + static_cast<TimeNs>(seconds * 1e9); }
 
@@ -85,29 +84,21 @@ void Navigator::on_base(const BaseView& view, TimeNs now) {
 }
 
 void Navigator::command(MissionEvent event) {
-  switch (event) {
-    case MissionEvent::come_home:
-    case MissionEvent::battery_low:
-      is_sent_home_ = true;
-      is_checking_ = false;
-      explorer_->return_home();
-      next_decision_ns_ = 0;
-      break;
-    case MissionEvent::resume:
-      retries_ = 0;
-      break;
-    case MissionEvent::pause:
-    case MissionEvent::stop:
-      break;
-    default:
-      return;
+  using E = MissionEvent;
+  if (event == E::come_home || event == E::battery_low) {
+    is_sent_home_ = true;
+    is_checking_ = false;
+    explorer_->return_home();
+    next_decision_ns_ = 0;
+  } else if (event == E::resume) {
+    retries_ = 0;
+  } else if (event != E::pause && event != E::stop) {
+    return;
   }
   mission_.apply(event);
 }
 
 bool Navigator::is_at_home() const { return distance_m(base_.T_world_base, home_) <= config_.home_tolerance_m; }
-
-// --- Deciding -------------------------------------------------------------------------------------------------------
 
 void Navigator::decide(TimeNs now) {
   decision_ = explorer_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
@@ -130,6 +121,12 @@ void Navigator::decide(TimeNs now) {
 // Before it goes home: is what was closed still closed?
 bool Navigator::look_at_closed_way(TimeNs now) {
   if (is_sent_home_ || mission_.state() != MissionState::exploring) return false;
+  if (!was_reopened_ && decision_.left[LeftReason::unreachable] > 0 && floor_.reopen()) {
+    was_reopened_ = true;
+    explore_again();
+    next_decision_ns_ = now;
+    return true;
+  }
   while (ClosedWay* way = closed_ways_.next(floor_.cost(), base_.T_world_base)) {
     ++way->looks;
     checked_ = way->at;
@@ -199,7 +196,7 @@ bool Navigator::plan(TimeNs now) {
     return true;
   }
   follower_.clear();
-  is_hemmed_in_ = route.status == PathStatus::unreachable && route.expansions < kHemmedIn_cells;
+  is_hemmed_in_ = is_hemmed_in(floor_.cost(), base_.T_world_base);
   if (recovery_.is_active()) return false;
   if (is_hemmed_in_ || decision_.kind == DecisionKind::go_home) {
     begin_trouble(Trouble::no_path, StopReason::no_path, 0.0, now);
@@ -239,8 +236,6 @@ void Navigator::finish(TimeNs now) {
   }
 }
 
-// --- Driving --------------------------------------------------------------------------------------------------------
-
 void Navigator::begin_trouble(Trouble trouble, StopReason reason, double side, TimeNs now) {
   report_.note_stop(reason);
   ++report_.recoveries;
@@ -258,6 +253,7 @@ RecoveryView Navigator::recovery_view(TimeNs now) {
 hal::Twist Navigator::recover(TimeNs now) {
   const hal::Twist twist = recovery_.step(recovery_view(now));
   if (recovery_.phase() == RecoveryPhase::asking) {
+    if (recovery_.trouble() == Trouble::shut && recovery_.attempts() > 0) floor_.close_suspects();
     if (is_spinning_ || plan(now)) {
       recovery_.answer(true, recovery_view(now));
     } else if (decision_.kind == DecisionKind::goal && !is_hemmed_in_) {
@@ -327,6 +323,11 @@ hal::Twist Navigator::follow(TimeNs now) {
     shut_since_ns_ = now;
   } else if (now >= after(shut_since_ns_, config_.shut_s)) {
     begin_trouble(Trouble::shut, StopReason::shut, 0.0, now);
+    // It has waited before: whatever stands there stays. Other goals may do as well.
+    if (recovery_.attempts() > 0 && decision_.kind == DecisionKind::goal) {
+      floor_.close_suspects();
+      fail_goal(GoalFailure::stuck, now);
+    }
   }
   return twist;
 }

@@ -60,10 +60,10 @@ struct NavigatorConfig {
   double home_tolerance_m = 0.30;
   double shut_s = 0.4;  ///< nothing moves in front of a shut way for so long: trouble
   double no_progress_s = 3.0;
-  double lost_s = 180.0;        ///< without having got anywhere: it needs help,
-  double retry_s = 20.0;        ///< and tries by itself again after this,
-  int max_retries = 5;          ///< so many times
-  double closed_wait_s = 10.0;  ///< how long it watches a closed way before it takes it for closed
+  double lost_s = 180.0;       ///< without having got anywhere: it needs help,
+  double retry_s = 20.0;       ///< and tries by itself again after this,
+  int max_retries = 5;         ///< so many times
+  double closed_wait_s = 5.0;  ///< how long it watches a closed way before it takes it for closed
 };
 
 class Navigator {
@@ -150,6 +150,7 @@ class Navigator {
   GoalHistory left_goals_;
   ClosedWays closed_ways_;
   bool is_sent_home_ = false;
+  bool was_reopened_ = false;
   bool is_checking_ = false;  ///< on the way to a closed way, or watching it
   Waypoint checked_;
   TimeNs watch_until_ns_ = -1;

@@ -31,18 +31,21 @@ bool NearWatch::sees_floor(const hal::Frame& frame, const hal::CameraModel& came
   return seen >= config_.seen_share * looked;
 }
 
+double NearWatch::bearing_rad(const hal::PlanarPose& pose, const hal::CameraModel& camera, int sector, double part) {
+  const double u_px = (sector + part) * camera.width_px / kSectors;
+  return pose.heading_rad - std::atan((u_px - static_cast<double>(camera.cx_px)) / static_cast<double>(camera.fx_px));
+}
+
 // The cells below one ray of a sector; `part` 0 is its left border, 1 its right one.
 template <typename Visit>
 void NearWatch::walk(const hal::PlanarPose& pose, const hal::CameraModel& camera, int sector, double part,
                      double from_m, double to_m, Visit visit) const {
-  const double u_px = (sector + part) * camera.width_px / kSectors;
-  const double bearing_rad =
-      pose.heading_rad - std::atan((u_px - static_cast<double>(camera.cx_px)) / static_cast<double>(camera.fx_px));
+  const double towards_rad = bearing_rad(pose, camera, sector, part);
   const double step_m = 0.5 * until_.resolution_m;
   const double eye_x_m = pose.x_m + config_.forward_m * std::cos(pose.heading_rad);
   const double eye_y_m = pose.y_m + config_.forward_m * std::sin(pose.heading_rad);
   for (double s = from_m; s <= to_m; s += step_m) {
-    const Cell c = until_.cell_of(eye_x_m + s * std::cos(bearing_rad), eye_y_m + s * std::sin(bearing_rad));
+    const Cell c = until_.cell_of(eye_x_m + s * std::cos(towards_rad), eye_y_m + s * std::sin(towards_rad));
     if (!until_.contains(c) || !visit(c)) return;
   }
 }
@@ -50,10 +53,12 @@ void NearWatch::walk(const hal::PlanarPose& pose, const hal::CameraModel& camera
 void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
                      const hal::PlanarPose& pose, TimeNs now) {
   if (camera.width_px < kSectors) return;
+  last_pose_ = pose;
   std::array<bool, kSectors> has_floor{};
   for (int sector = 0; sector < kSectors; ++sector) {
     const auto i = static_cast<std::size_t>(sector);
     has_floor[i] = sees_floor(frame, camera, sector);
+    bearings_rad_[i] = bearing_rad(pose, camera, sector, 0.5);
     bool is_explained = false;
     if (!has_floor[i]) {
       walk(pose, camera, sector, 0.5, 0.0, config_.explained_m, [&](Cell c) {

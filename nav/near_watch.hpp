@@ -6,6 +6,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "hal/messages.hpp"
@@ -41,6 +43,15 @@ class NearWatch {
   [[nodiscard]] bool is_suspect(Cell c, TimeNs now) const {
     return until_.contains(c) && until_.at(c) != 0 && until_.at(c) > tick(now);
   }
+  /// Where the last frame's suspicious sectors pass this distance from the base: visit(x_m, y_m), world frame.
+  template <typename Visit>
+  void for_suspicious(double distance_m, Visit visit) const {
+    for (std::size_t i = 0; i < kSectors; ++i) {
+      if (!is_suspicious_[i]) continue;
+      visit(last_pose_.x_m + distance_m * std::cos(bearings_rad_[i]),
+            last_pose_.y_m + distance_m * std::sin(bearings_rad_[i]));
+    }
+  }
   /// Sectors from left to right in which the last frame had no floor and the map no reason.
   [[nodiscard]] const std::array<bool, kSectors>& sectors() const { return is_suspicious_; }
 
@@ -48,6 +59,8 @@ class NearWatch {
   /// Tenths of a second: a grid of them is half as large.
   [[nodiscard]] static std::uint32_t tick(TimeNs now) { return static_cast<std::uint32_t>(now / 100'000'000) + 1; }
   [[nodiscard]] bool sees_floor(const hal::Frame& frame, const hal::CameraModel& camera, int sector) const;
+  [[nodiscard]] static double bearing_rad(const hal::PlanarPose& T_world_base, const hal::CameraModel& camera,
+                                          int sector, double part);
   template <typename Visit>
   void walk(const hal::PlanarPose& T_world_base, const hal::CameraModel& camera, int sector, double part, double from_m,
             double to_m, Visit visit) const;
@@ -55,6 +68,8 @@ class NearWatch {
   NearWatchConfig config_;
   CellGrid<std::uint32_t> until_;  ///< tick; 0: never was suspect
   std::array<bool, kSectors> is_suspicious_{};
+  std::array<double, kSectors> bearings_rad_{};  ///< world frame
+  hal::PlanarPose last_pose_;
 };
 
 }  // namespace g3d::nav

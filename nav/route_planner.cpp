@@ -2,7 +2,9 @@
 #include "nav/route_planner.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace g3d::nav {
 namespace {
@@ -10,7 +12,40 @@ namespace {
 constexpr std::size_t kMaxPathCells = 1U << 16;
 constexpr int kMaxTolerance_cells = 30;
 
+constexpr double kAway_m = 1.0;
+constexpr int kMostAway_cells = 64;
+
 }  // namespace
+
+bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from) {
+  constexpr int kSide = 2 * kMostAway_cells + 1;
+  const int reach = std::clamp(static_cast<int>(kAway_m / cost.resolution_m), 1, kMostAway_cells);
+  const Cell start = cost.cell_of(from.x_m, from.y_m);
+  if (!cost.contains(start)) return true;
+  const int relief = StepOptions{}.relief_cells;
+  std::array<bool, kSide * kSide> was_met{};
+  std::array<Cell, kSide * kSide> queue;
+  std::size_t end = 0;
+  const auto meet = [&](int dx, int dy) {
+    const Cell c{start.x + dx, start.y + dy};
+    bool& met = was_met[static_cast<std::size_t>((dy + kMostAway_cells) * kSide + dx + kMostAway_cells)];
+    if (met || !cost.contains(c)) return;
+    const bool is_near = std::max(std::abs(dx), std::abs(dy)) <= relief;
+    if (cost.at(c) > (is_near ? kInscribedCost : kInscribedCost - 1)) return;
+    met = true;
+    queue[end++] = {dx, dy};
+  };
+  queue[end++] = {0, 0};
+  for (std::size_t i = 0; i < end; ++i) {
+    const auto [dx, dy] = queue[i];
+    if (std::max(std::abs(dx), std::abs(dy)) >= reach) return false;
+    meet(dx + 1, dy);
+    meet(dx - 1, dy);
+    meet(dx, dy + 1);
+    meet(dx, dy - 1);
+  }
+  return true;
+}
 
 RoutePlanner::RoutePlanner(std::size_t max_cells) : astar_(max_cells), smoother_(kMaxPathCells) {
   constexpr std::size_t kSide = 2 * kMaxTolerance_cells + 1;

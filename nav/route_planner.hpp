@@ -20,8 +20,11 @@ struct Route {
   PathStatus status = PathStatus::unreachable;
   std::span<const Waypoint> points;  ///< robot and goal included; valid until the next plan()
   double length_m = 0.0;
-  std::uint32_t expansions = 0;  ///< cells looked at: few of them and no route means that the robot is hemmed in
+  std::uint32_t expansions = 0;  ///< cells looked at
 };
+
+/// Whether there is no way for the body to get 1 m away from here, wherever to.
+[[nodiscard]] bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from);
 
 class RoutePlanner {
  public:

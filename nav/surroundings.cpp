@@ -10,6 +10,7 @@ constexpr double kTouchRadius_m = 0.05;
 constexpr double kOneThing_m = 1.0;      // touches this near to each other are of one thing
 constexpr double kCarefulAbout_m = 0.7;  // a touch: panes are wide
 constexpr double kNearTouch_m = 1.8;
+constexpr double kSuspect_m = 0.65;  // where what is too near to be measured is taken to stand
 constexpr std::size_t kMostTouches = 256;
 constexpr std::uint8_t kOwnWayCost = 250;
 
@@ -81,10 +82,11 @@ void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
   }
 }
 
-void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad) {
-  const Waypoint touch = where_touched(ground_.states(), T_world_base, side_rad, body_radius_m_);
+// Touches near one another are of one thing: what lies between them is closed as well.
+void Surroundings::mark_touches_with(const Waypoint& touch, std::size_t others) {
   ground_.mark_contact(touch.x_m, touch.y_m, kTouchRadius_m);
-  for (const Waypoint& other : touches_) {
+  for (std::size_t i = 0; i < others; ++i) {
+    const Waypoint& other = touches_[i];
     const double length_m = distance_m(other, touch.x_m, touch.y_m);
     if (length_m > kOneThing_m) continue;
     for (double s = kTouchRadius_m; s < length_m; s += kTouchRadius_m) {
@@ -93,6 +95,11 @@ void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad
       if (!trace_.is_trodden(ground_.states().cell_of(x_m, y_m))) ground_.mark_contact(x_m, y_m, kTouchRadius_m);
     }
   }
+}
+
+void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad) {
+  const Waypoint touch = where_touched(ground_.states(), T_world_base, side_rad, body_radius_m_);
+  mark_touches_with(touch, touches_.size());
   if (touches_.size() < kMostTouches) {
     touches_.push_back(touch);
     near_touches_.push_back(touch);
@@ -100,7 +107,25 @@ void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad
   take_over_changes();
 }
 
+void Surroundings::close_suspects() {
+  near_watch_.for_suspicious(kSuspect_m, [this](double x_m, double y_m) {
+    ground_.mark_contact(x_m, y_m, kTouchRadius_m);
+    has_closed_ = true;
+  });
+  take_over_changes();
+}
+
+bool Surroundings::reopen() {
+  if (!has_closed_) return false;
+  has_closed_ = false;
+  ground_.forget_contacts();
+  for (std::size_t i = 0; i < touches_.size(); ++i) mark_touches_with(touches_[i], i);
+  take_over_changes();
+  return true;
+}
+
 void Surroundings::forget_touches() {
+  has_closed_ = false;
   ground_.forget_contacts();
   touches_.clear();
   near_touches_.clear();

@@ -46,6 +46,10 @@ class Surroundings final : public FloorKnowledge {
   /// Something was touched by this part of the bumper (0 ahead, kBumperSide_rad left, -kBumperSide_rad right). Touches
   /// near one another are of one thing: what lies between them is closed as well.
   void on_touch(const hal::PlanarPose& T_world_base, double side_rad);
+  /// What is suspect right now has not gone away: the way there is closed until reopen(), for planning as well.
+  void close_suspects();
+  /// Forgets what close_suspects() closed. False if there was nothing.
+  bool reopen();
   void forget_touches();
 
   [[nodiscard]] const GroundMap& ground() const { return ground_; }
@@ -61,6 +65,7 @@ class Surroundings final : public FloorKnowledge {
   [[nodiscard]] bool is_suspect(Cell c) const override { return near_watch_.is_suspect(c, now_ns_); }
 
  private:
+  void mark_touches_with(const Waypoint& touch, std::size_t others);
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
 
@@ -72,6 +77,7 @@ class Surroundings final : public FloorKnowledge {
   NearWatch near_watch_;
   TimeNs now_ns_ = 0;
   std::vector<Waypoint> touches_;
+  bool has_closed_ = false;
   std::vector<Waypoint> near_touches_;  ///< near enough to matter for where the robot is
   std::vector<std::uint32_t> changed_;
   std::vector<std::uint8_t> is_noted_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hal/frame_pool.hpp"
 #include "tests/support/voxel_floor.hpp"
 
 using namespace g3d;
@@ -90,6 +91,40 @@ TEST_CASE("Between two touches that are near each other there is no way through"
   }
   scene.here.on_touch({2.5, 0.0, 0.0}, 0.0);  // another thing
   CHECK(scene.here.states().at(scene.cell(1.9, 0.0)) == CellState::free);
+}
+
+TEST_CASE("What stays suspect is closed for planning until it is reopened; touches stay closed") {
+  Scene scene({});
+  scene.look();
+  hal::CameraModel camera;
+  camera.width_px = 160;
+  camera.height_px = 120;
+  camera.fx_px = camera.fy_px = 131.25F;
+  camera.cx_px = 79.5F;
+  camera.cy_px = 59.5F;
+  const hal::Frame dark = hal::make_frame(camera);
+  CHECK_FALSE(scene.here.reopen());
+  scene.here.on_touch({2.0, 0.0, 0.0}, 0.0);
+  scene.here.on_frame(dark, camera, {}, 0);
+  CHECK(scene.here.is_suspect(scene.cell(0.5, 0.0)));
+  CHECK(scene.here.cost().at(scene.cell(0.65, 0.0)) < nav::kInscribedCost);
+  scene.here.close_suspects();
+  CHECK(scene.here.cost().at(scene.cell(0.65, 0.0)) == nav::kLethalCost);
+  CHECK(scene.here.reopen());
+  CHECK(scene.here.cost().at(scene.cell(0.65, 0.0)) < nav::kInscribedCost);
+  CHECK(scene.here.states().at(scene.cell(2.21, 0.0)) == CellState::occupied);
+}
+
+TEST_CASE("The own way stays open whoever stands in it, at a price") {
+  Scene scene({});
+  scene.look();
+  scene.here.on_pose({0.5, 0.0, 0.0}, 0);
+  scene.here.on_touch({0.25, 0.0, 0.0}, 0.0);  // right there
+  const nav::Cell there = scene.cell(0.45, 0.0);
+  REQUIRE(scene.here.cost().at(there) >= nav::kInscribedCost);
+  CHECK(scene.here.cost_of_own_way().at(there) < nav::kInscribedCost);
+  CHECK(scene.here.cost_of_own_way().at(there) > 200);
+  CHECK(scene.here.cost_of_own_way().at(scene.cell(1.5, 0.0)) == scene.here.cost().at(scene.cell(1.5, 0.0)));
 }
 
 TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
