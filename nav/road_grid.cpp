@@ -12,6 +12,7 @@ constexpr int kDy[8] = {0, 1, 0, -1, 1, 1, -1, -1};
 constexpr std::int32_t kLength[8] = {10, 10, 10, 10, 14, 14, 14, 14};
 constexpr std::size_t kBuckets = 16;  ///< more than the longest step
 constexpr double kLeave_m = 0.5;
+constexpr int kWayOut_steps = 3;
 
 }  // namespace
 
@@ -64,6 +65,25 @@ void RoadGrid::size_field(TravelField& field) const {
   field.reached.reserve(size());
 }
 
+/// The nearest open road cell, lowest index first, and tenths of a step to it. `from` itself if there is none near.
+std::int32_t RoadGrid::way_out(std::uint32_t from, std::uint32_t& exit) const {
+  const int x = static_cast<int>(from) % columns_;
+  const int y = static_cast<int>(from) / columns_;
+  std::int32_t best = std::numeric_limits<std::int32_t>::max();
+  for (int ny = std::max(y - kWayOut_steps, 0); ny <= std::min(y + kWayOut_steps, rows_ - 1); ++ny) {
+    for (int nx = std::max(x - kWayOut_steps, 0); nx <= std::min(x + kWayOut_steps, columns_ - 1); ++nx) {
+      const std::uint32_t n = static_cast<std::uint32_t>(ny * columns_ + nx);
+      const int dx = std::abs(nx - x);
+      const int dy = std::abs(ny - y);
+      const std::int32_t tenths = 10 * std::max(dx, dy) + 4 * std::min(dx, dy);
+      if (!is_open(n) || tenths >= best) continue;
+      best = tenths;
+      exit = n;
+    }
+  }
+  return exit == from ? 0 : best;
+}
+
 void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
   for (const std::uint32_t i : out.reached) out.distance[i] = TravelField::kNever;
   out.reached.clear();
@@ -71,10 +91,19 @@ void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) 
   out.distance[from] = 0;
   out.came_from[from] = from;
   out.leaves_by[from] = from;
-  buckets_[0].push_back(from);
+  std::uint32_t seed = from;
+  std::int32_t begin = 0;
+  if (!is_open(from)) {
+    begin = way_out(from, seed);
+    if (seed != from) out.reached.push_back(from);
+    out.distance[seed] = begin;
+    out.came_from[seed] = from;
+    out.leaves_by[seed] = seed;
+  }
+  buckets_[static_cast<std::size_t>(begin) % kBuckets].push_back(seed);
   std::size_t waiting = 1;
   // Dial 1969: lengths of steps are small integers, so that a ring of buckets replaces a heap.
-  for (std::int32_t d = 0; waiting != 0; ++d) {
+  for (std::int32_t d = begin; waiting != 0; ++d) {
     auto& bucket = buckets_[static_cast<std::size_t>(d) % kBuckets];
     for (std::size_t k = 0; k < bucket.size(); ++k) {
       const std::uint32_t at = bucket[k];
@@ -84,7 +113,7 @@ void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) 
         out.distance[at] = TravelField::kNever;
         continue;
       }
-      out.reached.push_back(at);
+      if (at != from || begin == 0) out.reached.push_back(at);
       const int x = static_cast<int>(at) % columns_;
       const int y = static_cast<int>(at) / columns_;
       for (int n = 0; n < 8; ++n) {

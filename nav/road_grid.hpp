@@ -41,13 +41,15 @@ class RoadGrid {
   [[nodiscard]] bool best_cell(const CellGrid<std::uint8_t>& cost, std::size_t road, Cell& out) const;
 
   void size_field(TravelField& field) const;
-  /// Dijkstra from `from`, open or not, up to `limit` tenths. Reuses the field's memory.
+  /// Dijkstra from `from`, up to `limit` tenths. A robot that stands too near to something, on closed ground, leaves it
+  /// to the nearest open road cell. Reuses the field's memory.
   void travel(std::uint32_t from, std::int32_t limit, TravelField& out);
   /// Headings at the start and at the end of the way to `to`.
   [[nodiscard]] double leave_heading(const TravelField& field, std::uint32_t from, std::uint32_t to) const;
   [[nodiscard]] double arrive_heading(const TravelField& field, std::uint32_t to) const;
 
  private:
+  [[nodiscard]] std::int32_t way_out(std::uint32_t from, std::uint32_t& exit) const;
   [[nodiscard]] double bearing(std::uint32_t from, std::uint32_t to) const;
 
   int columns_ = 0;

@@ -133,3 +133,22 @@ TEST_CASE("ways say by which heading they leave and arrive") {
   CHECK(costs.at(best) == 0);
   CHECK_FALSE(roads.best_cell(costs, roads.road_of({30, 40}), best));
 }
+
+TEST_CASE("a robot that stands too near to something gets out again, but not through the wall") {
+  Costs costs(0.05, 0.0, 0.0, 90, 40, 0);
+  const Costs walled = two_rooms(1);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 1; x < 90; ++x) costs.at({x, y}) = walled.at({x - 1, y});
+  }
+  RoadGrid roads;
+  roads.reset(costs, 0.18);
+  TravelField field;
+  roads.size_field(field);
+  const std::uint32_t from = roads.road_of({39, 20});  // 10 cm before the wall
+  REQUIRE_FALSE(roads.is_open(from));
+  roads.travel(from, kAll, field);
+  CHECK(field.reached.front() == from);
+  CHECK(field.distance[roads.road_of({36, 20})] == 10);
+  CHECK(field.distance[roads.road_of({10, 20})] != TravelField::kNever);
+  CHECK(field.distance[roads.road_of({70, 20})] == TravelField::kNever);
+}

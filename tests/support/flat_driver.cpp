@@ -17,6 +17,10 @@ constexpr int kDy[8] = {0, 1, 1, 1, 0, -1, -1, -1};
 constexpr double kLookahead_m = 0.6;
 constexpr double kArrived_m = 0.08;
 constexpr double kArrived_rad = 0.05;
+constexpr int kWayOut_cells = 3;
+constexpr int kWayOutCost = 2000;
+constexpr int kCareful_steps = 15;
+constexpr int kBackOff_steps = 4;
 
 int cost_of(std::uint8_t cost, bool through_unknown) {
   if (cost == nav::kUnknownCost) return through_unknown ? 64 : -1;
@@ -67,7 +71,10 @@ std::vector<Cell> FlatPlanner::plan(const CellGrid<std::uint8_t>& cost, Cell fro
     for (int k = 0; k < 8; ++k) {
       const Cell n{c.x + kDx[k], c.y + kDy[k]};
       if (!cost.contains(n)) continue;
-      const int w = cost_of(cost.at(n), through_unknown);
+      int w = cost_of(cost.at(n), through_unknown);
+      // Out of where it stands too near to something.
+      const bool beside_start = std::abs(n.x - from.x) <= kWayOut_cells && std::abs(n.y - from.y) <= kWayOut_cells;
+      if (w < 0 && beside_start && cost.at(n) == nav::kInscribedCost) w = kWayOutCost;
       if (w < 0) continue;
       push(n, d + w * (k % 2 == 0 ? 10 : 14), k);
     }
@@ -130,6 +137,11 @@ DriveState FlatDriver::step() {
     sim_.step(0.0, error / FlatSim::kStep_s);
     return DriveState::driving;
   }
+  if (bumped_ > kCareful_steps) {
+    --bumped_;
+    sim_.step(-0.2, 0.0);
+    return DriveState::driving;
+  }
   if (path_.empty()) return DriveState::no_path;
   const Cell here = costs_->cell_of(at.x_m, at.y_m);
   // The part of the path that lies ahead: from its nearest cell on.
@@ -140,7 +152,7 @@ DriveState FlatDriver::step() {
   };
   while (next_ + 1 < path_.size() && apart(next_ + 1) <= apart(next_)) ++next_;
   for (std::size_t i = next_; i < std::min(next_ + 30, path_.size()); ++i) {
-    if (is_passable(path_[i])) continue;
+    if (is_passable(path_[i]) || apart(i) < 0.25 * 0.25) continue;
     replan();
     if (path_.empty()) return DriveState::no_path;
     break;
@@ -168,7 +180,7 @@ DriveState FlatDriver::step() {
       in_place_ ? 0.0 : std::min(0.4 * std::max(0.2, 1.0 - std::abs(error)), distance / FlatSim::kStep_s);
   if (!sim_.step(speed, turn)) {
     if (++blocked_ > 20) return DriveState::stuck;
-    bumped_ = 20;
+    bumped_ = kCareful_steps + kBackOff_steps;
     replan();
   } else if (bumped_ > 0) {
     --bumped_;
