@@ -25,6 +25,14 @@ Examples:
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
   g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls)";
 
+constexpr const char* kRunExamples = R"(
+Examples:
+  g3dmap run --board board/host_sim.toml --out out                    in real time, in a simulated building
+  g3dmap run --board board/host_sim.toml --world office --duration 60 --camera 160x120@10 --out out
+  g3dmap run --board board/kobuki_tx2.toml --record --out out         a real base; what it says goes to kobuki.bin
+
+The first Ctrl-C stops the robot and saves the map, the second one ends the program at once; the base stands either way.)";
+
 constexpr const char* kExportExamples = R"(
 Examples:
   g3dmap export out/map.g3d --to map.ply                   points with colours
@@ -50,6 +58,30 @@ Example:
   g3dmap mask wall_view --out mask.png                     then: g3dmap replay walk --mask mask.png --out out
 
 LOG is a recording of a plain wall that fills the view.)";
+
+void add_live_options(CLI::App& command, LiveOptions& live) {
+  MappingOptions& options = live.mapping;
+  command.add_option("--board", options.board_path, "Board file (toml): which base, which camera")->required();
+  command.add_option("--out", options.out_dir, "Folder for map, trajectory and report; without it nothing is written");
+  command.add_option("--world", live.world, "The simulated building: built-in name, world file or map_server yaml")
+      ->capture_default_str();
+  command.add_option("--duration", live.duration_s, "Stop after so many seconds; 0: when the robot is home again")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--camera", live.camera, "The simulated camera as WIDTHxHEIGHT@HZ, such as 160x120@10");
+  command.add_option("--drift", live.drift, "How wrong the simulated odometry is: 0 exact, 1 like a real base")
+      ->check(CLI::Range(0.0, 10.0));
+  command.add_option("--area", live.area, "Explore only X0,Y0,X1,Y1 in metres");
+  command.add_flag("--record", live.record, "Write what the base says to kobuki.bin in the folder of --out");
+  command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
+  command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
+  command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));
+  command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
+  command.add_flag("--no-noise", live.no_noise, "A perfect simulated sensor");
+  command.add_flag("--quiet", options.quiet, "No progress and no summary");
+  command.add_flag("--json", options.json, "Print report.json instead of the summary");
+}
 
 void add_mapping_options(CLI::App& command, MappingOptions& options) {
   command.add_option("--out", options.out_dir, "Folder for what is made; it is created if need be")->required();
@@ -136,6 +168,11 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
   add_mapping_options(*sim_command, sim.mapping);
 
+  LiveOptions live;
+  CLI::App* run_command =
+      add_command(app, "run", "Let the board's robot explore where it stands, in real time", kRunExamples);
+  add_live_options(*run_command, live);
+
   ExportOptions exported;
   CLI::App* export_command = add_command(app, "export", "Write a map in other formats", kExportExamples);
   export_command->add_option("MAP", exported.from, "map.g3d, .ot or .bt")->required();
@@ -167,6 +204,7 @@ int parse_and_run(int argc, char** argv) {
   if (*replay_command) return run_replay(replay, command_line(argc, argv));
   if (*sim_command)
     return sim.robots > 0 ? run_explore(sim, command_line(argc, argv)) : run_sim(sim, command_line(argc, argv));
+  if (*run_command) return run_live(live, command_line(argc, argv));
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);

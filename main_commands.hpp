@@ -55,6 +55,17 @@ struct SimOptions {
   std::string area;    ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
 };
 
+struct LiveOptions {
+  MappingOptions mapping;       ///< out_dir may be empty: nothing is written
+  std::string world = "house";  ///< of the simulated building, if the board's base is in one
+  double duration_s = 0.0;      ///< 0: until it is home again
+  std::string camera;           ///< "WxH@HZ" of the simulated camera; empty: the board's
+  std::string area;             ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
+  double drift = 0.0;           ///< how wrong the simulated base's odometry is
+  bool no_noise = false;
+  bool record = false;  ///< the base's bytes into kobuki.bin
+};
+
 struct ExportOptions {
   std::string from;
   std::vector<std::string> to;
@@ -80,6 +91,8 @@ int run_replay(const ReplayOptions& options, const std::string& command_line);
 int run_sim(const SimOptions& options, const std::string& command_line);
 /// `sim --robots N`.
 int run_explore(const SimOptions& options, const std::string& command_line);
+/// `run`.
+int run_live(const LiveOptions& options, const std::string& command_line);
 int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);

@@ -11,7 +11,11 @@ namespace g3d::board {
 struct Board {
   std::string name = "host_sim";
 
+  // [base] the Kobuki at the end of a serial line
+  std::string base_line = "sim";  ///< "sim": a simulated building's; "auto": found by its USB strings; else the port
+
   // [camera] pinhole intrinsics of the depth image, colour registered to it
+  std::string camera_source = "sim";  ///< of live frames: "sim", in the same building; "none": the base stands
   int camera_width_px = 640;
   int camera_height_px = 480;
   double camera_fx_px = 525.0;

@@ -8,6 +8,8 @@ namespace g3d::board {
 std::span<const BoardField> board_fields() {
   static const std::vector<BoardField> fields = {
       {"", "name", &Board::name, 0, 0, "", "what reports call this robot", {}},
+      {"base", "line", &Board::base_line, 0, 0, "", "sim, auto (found by its USB strings) or the port's path", {}},
+      {"camera", "source", &Board::camera_source, 0, 0, "", "where live frames come from", {"sim", "none"}},
       {"camera", "width_px", &Board::camera_width_px, 16, 2048, "px", "image width", {}},
       {"camera", "height_px", &Board::camera_height_px, 16, 2048, "px", "image height", {}},
       {"camera", "fx_px", &Board::camera_fx_px, 10, 10000, "px", "focal length along the rows", {}},

@@ -118,6 +118,9 @@ Result<void> check_together(const Board& board, std::string_view file) {
   const auto error = [&](std::string_view what) {
     return Error{Reason::out_of_range, fmt::format("{}: {}", file, what)};
   };
+  if (board.base_line != "sim" && board.base_line != "auto" && board.base_line.front() != '/') {
+    return error("base.line must be sim, auto, or the whole path of a serial port such as /dev/ttyUSB0");
+  }
   if (board.map_near_m >= board.map_far_m) return error("map.near_m must be below map.far_m");
   if (board.ground_low_m >= board.ground_high_m) return error("ground.low_m must be below ground.high_m");
   if (board.camera_cx_px >= board.camera_width_px || board.camera_cy_px >= board.camera_height_px) {

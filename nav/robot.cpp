@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/robot.hpp"
 
-#include <cmath>
-
 namespace g3d::nav {
 namespace {
 
 constexpr std::size_t kReadBytes = 1024;  // 20 ms bring some 90
-
-hal::Pose on_floor(const hal::PlanarPose& p) { return hal::from_xyz_rpy(p.x_m, p.y_m, 0.0, 0.0, 0.0, p.heading_rad); }
 
 }  // namespace
 
@@ -18,18 +14,9 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       driver_(config.driver),
       mapper_(config.mapper, config.camera, {}),
       navigator_(mapper_.map().grid(), config.navigator),
-      frame_watch_(config.frame_watch) {}
+      senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}) {}
 
-hal::PlanarPose Robot::in_world(const hal::PlanarPose& T_odometry_base) const {
-  const hal::PlanarPose& start = config_.T_world_start;
-  const double c = std::cos(start.heading_rad);
-  const double s = std::sin(start.heading_rad);
-  return {start.x_m + c * T_odometry_base.x_m - s * T_odometry_base.y_m,
-          start.y_m + s * T_odometry_base.x_m + c * T_odometry_base.y_m,
-          wrap_angle(start.heading_rad + T_odometry_base.heading_rad)};
-}
-
-hal::PlanarPose Robot::T_world_base() const { return in_world(driver_.state().T_world_base); }
+hal::PlanarPose Robot::T_world_base() const { return senses_.in_world(driver_.state().T_world_base); }
 
 void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   const bool is_lost = line.state() == hal::LineState::lost;
@@ -43,13 +30,7 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   const hal::kobuki::BaseState& base = driver_.state();
   if (base.packets != packets_seen_) {
     packets_seen_ = base.packets;
-    BaseView view;
-    view.T_world_base = T_world_base();
-    view.velocity = base.velocity;
-    view.bumper = base.bumper;
-    view.cliff = base.cliff;
-    view.verdict = base.verdict;
-    navigator_.on_base(view, now);
+    navigator_.on_base(senses_.feel(base), now);
   }
   if (packets_seen_ == 0 || ticks_++ % static_cast<std::uint64_t>(config_.steps_per_command) != 0) return;
   const hal::TimeNs start_ns = clock_.now();
@@ -61,29 +42,18 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
 
 void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   ++frames_.delivered;
-  if (last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_) {
-    drop(hal::DropReason::time_backwards);
+  const Sight sight = senses_.look(frame, driver_.poses(), now);
+  if (sight.is_alive) driver_.set_camera_alive(frame.stamp_ns);
+  if (sight.refused) {
+    drop(*sight.refused);
     return;
   }
-  last_stamp_ns_ = frame.stamp_ns;
-  const auto T_odometry_base = driver_.poses().at(frame.stamp_ns);
-  if (!T_odometry_base) {
-    drop(hal::DropReason::no_pose);
-    return;
-  }
-  const hal::PlanarPose base = in_world(*T_odometry_base);
-  const hal::FrameFault fault = frame_watch_.check(frame, config_.camera, base, now);
-  if (fault == hal::FrameFault::none) driver_.set_camera_alive(frame.stamp_ns);
-  if (fault == hal::FrameFault::garbage || fault == hal::FrameFault::stuck) {
-    drop(hal::DropReason::unreadable_depth);
-    return;
-  }
-  const hal::Pose T_world_camera = hal::compose(on_floor(base), config_.T_base_camera);
+  const hal::PlanarPose& base = sight.T_world_base;
   if (frames_.integrated == 0) {
     mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.navigator.explorer.body_radius_m, config_.robot_height_m);
   }
   const hal::TimeNs start_ns = clock_.now();
-  const mapper::FrameReport report = mapper_.integrate(frame, T_world_camera);
+  const mapper::FrameReport report = mapper_.integrate(frame, sight.T_world_camera);
   integrate_times_.add(clock_.now() - start_ns);
   if (report.status == mapper::FrameStatus::out_of_range) {
     drop(hal::DropReason::out_of_range);
@@ -92,7 +62,7 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   if (report.status == mapper::FrameStatus::pool_full) ++pool_full_frames_;
   refused_blocks_ += report.refused_blocks;
   ++frames_.integrated;
-  last_frame_pose_ = T_world_camera;
+  last_frame_pose_ = sight.T_world_camera;
   navigator_.on_map(mapper_.map(), mapper_.changed_slots(), now);
   navigator_.on_frame(frame, config_.camera, base, now);
 }

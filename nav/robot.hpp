@@ -3,7 +3,7 @@
 // mission in between. Whoever owns the clock calls it: the simulation in lockstep, or the threads of a real board.
 //
 //   line ──bytes──▶ BaseDriver ──pose, safety──▶ Navigator ──velocity──▶ BaseDriver ──bytes──▶ line
-//   frame ─▶ FrameWatch ─▶ pose at its stamp ─▶ Mapper ──changed blocks──▲
+//   frame ─▶ Senses ─▶ pose at its stamp ─▶ Mapper ──changed blocks──▲
 //
 // All calls from one thread; at equal times on_line comes before on_frame. Frames that were delivered are integrated or
 // counted under one reason.
@@ -16,13 +16,13 @@
 
 #include "hal/byte_line.hpp"
 #include "hal/clock.hpp"
-#include "hal/frame_watch.hpp"
 #include "hal/kobuki/base_driver.hpp"
 #include "hal/messages.hpp"
 #include "mapper/mapper.hpp"
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
 #include "nav/navigator.hpp"
+#include "nav/senses.hpp"
 
 namespace g3d::nav {
 
@@ -63,7 +63,6 @@ class Robot {
   [[nodiscard]] const std::optional<hal::Pose>& last_frame_pose() const { return last_frame_pose_; }
 
  private:
-  [[nodiscard]] hal::PlanarPose in_world(const hal::PlanarPose& T_odometry_base) const;
   void drop(hal::DropReason reason) { ++frames_.dropped[static_cast<std::size_t>(reason)]; }
 
   RobotConfig config_;
@@ -71,7 +70,7 @@ class Robot {
   hal::kobuki::BaseDriver driver_;
   mapper::Mapper mapper_;
   Navigator navigator_;
-  hal::FrameWatch frame_watch_;
+  Senses senses_;
   mapper::FrameCounts frames_;
   mapper::StageTimes integrate_times_;
   mapper::StageTimes navigate_times_;
@@ -80,7 +79,6 @@ class Robot {
   std::uint64_t packets_seen_ = 0;
   std::uint64_t ticks_ = 0;
   bool was_lost_ = false;
-  std::optional<hal::TimeNs> last_stamp_ns_;
   std::optional<hal::Pose> last_frame_pose_;
 };
 

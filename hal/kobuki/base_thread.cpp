@@ -41,6 +41,7 @@ void BaseThread::run() {
     if (size > 0) send({out.data(), size});
     if (driver_.next_tick_ns() != due_ns) {  // it was a tick
       own_health_.latest_tick_ns = due_ns == 0 ? 0 : now_ns - due_ns;
+      if (options_.on_tick && due_ns != 0) options_.on_tick(own_health_.latest_tick_ns);
       due_ns = driver_.next_tick_ns();
       health_.write(own_health_);
     }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <thread>
 
 #include "hal/byte_line.hpp"
@@ -22,6 +23,8 @@ struct BaseThreadOptions {
   int realtime_priority = 40;  ///< SCHED_FIFO, where the system grants it; 0: do not ask
   int farewell_packets = 5;
   TimeNs farewell_gap_ns = 10'000'000;
+  /// Told by the thread at every tick how late it was. Must not wait. May be empty.
+  std::function<void(TimeNs late_ns)> on_tick;
 };
 
 /// How the thread itself is.

@@ -32,6 +32,15 @@ TEST_CASE("a board file sets what it names and nothing else") {
   CHECK(parsed.value() == expected);
 }
 
+TEST_CASE("a base's line is simulated, found, or named by its whole path") {
+  CHECK(parse_board("", "b.toml").value().base_line == "sim");
+  CHECK(parse_board("[base]\nline = \"auto\"\n", "b.toml").value().base_line == "auto");
+  const auto named = parse_board("[base]\nline = \"/dev/ttyUSB0\"\n[camera]\nsource = \"none\"\n", "b.toml");
+  REQUIRE(named);
+  CHECK(named.value().base_line == "/dev/ttyUSB0");
+  CHECK(named.value().camera_source == "none");
+}
+
 TEST_CASE("the printed board reads back to the same board") {
   Board board;
   board.name = "odd one";
@@ -63,13 +72,17 @@ TEST_CASE("errors of a board file name file, line and what is allowed") {
       {"[map]\nmode = \"both\"\n", Reason::out_of_range, "map.mode is both, allowed are static, dynamic"},
       {"[map]\nmode = 3\n", Reason::malformed, "a text in quotes"},
       {"[map]\nspeed = 3\n", Reason::malformed, "b.toml:2: map.speed is not known; here are resolution_m"},
-      {"\n\n[mapp]\n", Reason::malformed, "b.toml:3: mapp is not known; here are name [camera]"},
+      {"\n\n[mapp]\n", Reason::malformed, "b.toml:3: mapp is not known; here are name [base] [camera]"},
       {"map = 3\n", Reason::malformed, "map is not known"},
       {"name = \"a\"\n[map\n", Reason::malformed, "b.toml:2: "},
       {"name = \"a\"\ns\xEF\xBB\xBB", Reason::malformed, "b.toml:2: byte 0xEF; a board file is plain ASCII"},
       {"[.05\n", Reason::malformed, "b.toml:1: "},
       {"name = \"\"\n", Reason::out_of_range, "1 to 64 printable"},
       {"[map]\nnear_m = 4\n", Reason::out_of_range, "near_m must be below map.far_m"},
+      {"[base]\nline = \"ttyUSB0\"\n", Reason::out_of_range, "b.toml: base.line must be sim, auto, or the whole path"},
+      {"[base]\nline = \"\"\n", Reason::out_of_range, "b.toml:2: base.line is "},
+      {"[base]\nline = 3\n", Reason::malformed, "b.toml:2: base.line must be a text in quotes"},
+      {"[camera]\nsource = \"webcam\"\n", Reason::out_of_range, "camera.source is webcam, allowed are sim, none"},
       {"[ground]\nlow_m = 1\n", Reason::out_of_range, "ground.low_m must be below"},
       {"[camera]\nwidth_px = 160\n", Reason::out_of_range, "within the image"},
       {"[map]\nwindow_radius_m = 2\n", Reason::out_of_range, "at least map.far_m"},
@@ -96,6 +109,7 @@ TEST_CASE("the boards that come with the program are good") {
   const auto kobuki = board::load_board("board/kobuki_tx2.toml");
   REQUIRE(kobuki);
   CHECK(kobuki.value().name == "kobuki_tx2");
+  CHECK(kobuki.value().base_line == "auto");
   CHECK(kobuki.value().map_resolution_m == 0.02);
   CHECK(kobuki.value().map_window_radius_m == 15.0);
   CHECK(board::load_board("board/none.toml").error().reason == Reason::not_found);

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// `g3dmap run`: the board's robot in real time. Its base is at a serial port, found or named, or at a pseudo-terminal
+// of a building that is simulated in this process; everything on this side of the line is the same.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "hal/image/file_bytes.hpp"
+#include "main_commands.hpp"
+#include "main_live_run.hpp"
+#include "main_robot.hpp"
+#include "main_setup.hpp"
+#include "mapper/map_hash.hpp"
+#include "mapper/report.hpp"
+#include "mapper/summary.hpp"
+#include "mapper/version.hpp"
+#include "nav/exploration_report.hpp"
+#include "nav/outputs.hpp"
+
+namespace g3d {
+namespace {
+
+int fail(const std::string& text) {
+  fmt::print(stderr, "g3dmap: {}\n", text);
+  return kExitFailed;
+}
+
+int bad_usage(const std::string& text) {
+  (void)fail(text);
+  return kExitBadUsage;
+}
+
+std::optional<std::string> contradiction(const board::Board& board, const LiveOptions& options) {
+  const bool in_simulation = board.base_line == "sim";
+  if (in_simulation != (board.camera_source == "sim")) {
+    return fmt::format(
+        "{}: base.line = \"{}\" and camera.source = \"{}\" do not go together: a simulated camera sees "
+        "only the building of a simulated base",
+        options.mapping.board_path, board.base_line, board.camera_source);
+  }
+  if (!in_simulation && !options.camera.empty())
+    return "--camera is for a simulated one; set [camera] in the board file";
+  if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
+  if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
+  return std::nullopt;
+}
+
+mapper::RunReport make_report(LiveRun& live, const board::Board& board, const LiveOptions& options,
+                              const std::string& command_line) {
+  const nav::RobotThreads& robot = live.robot();
+  mapper::RunReport report;
+  report.frames = robot.frames();
+  report.stages = robot.stages();
+  report.resolution_m = board.map_resolution_m;
+  const mapper::MapCounts counts = robot.mapper().map().counts();
+  report.occupied = counts.occupied;
+  report.free = counts.free;
+  report.memory_bytes = robot.mapper().map().memory().used_bytes;
+  report.refused_blocks = robot.refused_blocks();
+  report.hash = mapper::map_hash(robot.mapper().map());
+  report.command = command_line;
+  report.version = mapper::version();
+  report.seed = options.mapping.seed;
+  report.threads = board.map_threads;
+  report.board = board.name;
+  const auto note = [&](std::uint64_t count, const char* text) {
+    if (count > 0) report.notes.push_back(fmt::format("{} {}", count, text));
+  };
+  if (live.was_interrupted()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
+  note(robot.pool_full_frames(), "frames found the map's memory full; raise --memory");
+  note(robot.lost_poses(), "poses are missing in trajectory.tum: writing it was too slow");
+  note(live.unrecorded_bytes(), "bytes of the base are missing in kobuki.bin: the disk was too slow, or full");
+  if (live.building_late_s() > 0.1) {
+    report.notes.push_back(fmt::format("this machine was too busy: the simulated building was up to {:.0f} ms late",
+                                       1e3 * live.building_late_s()));
+  }
+  return report;
+}
+
+}  // namespace
+
+int run_live(const LiveOptions& options, const std::string& command_line) {
+  const MappingOptions& mapping = options.mapping;
+  const auto loaded_board = effective_board(mapping);
+  if (!loaded_board) return fail(loaded_board.error().text);
+  const board::Board& board = loaded_board.value();
+  if (const auto problem = contradiction(board, options)) return bad_usage(*problem);
+  const auto camera = choose_camera(board, options.camera);
+  if (!camera) return bad_usage(camera.error().text);
+  std::optional<Place> place;
+  if (board.base_line == "sim") {
+    auto chosen = choose_place(options);
+    if (!chosen) return fail(chosen.error().text);
+    place = std::move(chosen).value();
+  }
+  nav::RobotConfig config =
+      robot_config(board, mapping, camera.value().model, place ? place->T_world_start : hal::PlanarPose{});
+  if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
+  if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
+  if (!mapping.out_dir.empty()) {
+    std::error_code code;
+    std::filesystem::create_directories(mapping.out_dir, code);
+    if (code) return fail(fmt::format("{}: cannot create this folder: {}", mapping.out_dir, code.message()));
+  }
+
+  LiveRun live(board, options, config);
+  if (const auto begun = live.begin(std::move(place), camera.value().rate_hz); !begun) return fail(begun.error().text);
+  live.run(!mapping.quiet);
+
+  std::vector<hal::Error> failures;
+  live.finish_files(failures);
+  mapper::RunReport report = make_report(live, board, options, command_line);
+  const nav::Navigator& navigator = live.robot().navigator();
+  nav::ExplorationReport explored;
+  explored.mission = &navigator.report();
+  explored.time_s = navigator.report().time_s(live.end_ns());
+  explored.home = navigator.mission().is_over();
+  explored.state = nav::name_of(navigator.mission().state());
+  explored.outside = live.outside();
+  explored.safety_stops = safety_stops(live.base().state);
+  report.write_more = [&](mapper::JsonWriter& json) {
+    nav::write_exploration(json, explored);
+    write_base(json, live.base());
+  };
+  nav::Outputs outputs;
+  std::string json;
+  if (!mapping.out_dir.empty()) {
+    nav::OutputOptions output_options;
+    output_options.trajectory = live.poses();
+    output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
+    output_options.meta.steps = config.mapper.steps;
+    outputs = nav::write_outputs(live.robot().mapper().map(), output_options, mapping.out_dir);
+    failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+    report.file_bytes = outputs.map_file_bytes;
+    const std::string place_name =
+        board.base_line == "sim" ? std::filesystem::path(options.world).stem().string() : board.name;
+    const auto drawn =
+        write_picture(explored, navigator, live.poses(), place_name, mapping.out_dir + "/exploration.png");
+    if (drawn) outputs.files.push_back(drawn.value());
+    if (!drawn) failures.push_back(drawn.error());
+    json = to_json(report);
+    const std::string path = mapping.out_dir + "/report.json";
+    if (const auto written = hal::write_file_atomic(path, json); !written) failures.push_back(written.error());
+    outputs.files.push_back({path, "what happened", json.size()});
+  }
+  if (mapping.json) {
+    fmt::print("{}", json.empty() ? to_json(report) : json);
+  } else if (!mapping.quiet) {
+    fmt::print("{}{}", nav::exploration_text(explored), summary_text(report, live.run_s(), outputs.files));
+  }
+  for (const hal::Error& failure : failures) (void)fail(failure.text);
+  return failures.empty() ? kExitDone : kExitFailed;
+}
+
+}  // namespace g3d

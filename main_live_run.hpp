@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// One real-time run of the board's robot: the port, the guard, the simulated building if the base is in one, the
+// recorder and the threads; begun in the right order and ended in the right order.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/clock.hpp"
+#include "hal/linux/serial_port.hpp"
+#include "hal/parking.hpp"
+#include "hal/sim/observable.hpp"
+#include "hal/sim/real_time_building.hpp"
+#include "main_commands.hpp"
+#include "main_robot.hpp"
+#include "nav/coverage.hpp"
+#include "nav/exploration_report.hpp"
+#include "nav/robot_threads.hpp"
+
+namespace g3d {
+
+/// For a base without a camera: it stands, as nobody sees for it.
+class NoCamera final : public hal::DepthCamera {
+ public:
+  explicit NoCamera(const hal::CameraModel& model) : model_(model) {}
+  [[nodiscard]] const hal::CameraModel& model() const override { return model_; }
+  [[nodiscard]] hal::CameraRead read(hal::Frame&) override {
+    (void)waits_.wait([] { return false; });
+    return {hal::CameraEvent::end, {}};
+  }
+  void stop() { waits_.stop(); }
+
+ private:
+  hal::CameraModel model_;
+  hal::Parking waits_;
+};
+
+/// The simulated building before its time begins.
+struct Place {
+  hal::World world;
+  hal::PlanarPose T_world_start;
+  hal::Observable observable;
+};
+
+/// The world of the options. Errors name the file.
+[[nodiscard]] hal::Result<Place> choose_place(const LiveOptions& options);
+
+/// The members stand in the order in which they must go again: see LineGuard.
+class LiveRun {
+ public:
+  /// All three outlive this.
+  LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config);
+
+  /// The guard's process first, then everything that has threads. `place`: where the base is simulated.
+  [[nodiscard]] hal::Result<void> begin(std::optional<Place> place, double rate_hz);
+  /// Returns when it is home, its time is over, the camera has ended, or a signal came; then it stands and all threads
+  /// have ended.
+  void run(bool show_progress);
+  /// Ends the files that were written all along.
+  void finish_files(std::vector<hal::Error>& failures);
+
+  // After run()
+  [[nodiscard]] const nav::RobotThreads& robot() const { return *robot_; }
+  [[nodiscard]] const BaseReport& base() const { return base_; }
+  [[nodiscard]] const std::vector<hal::Pose>& poses() const { return poses_; }
+  [[nodiscard]] double run_s() const { return run_s_; }
+  [[nodiscard]] hal::TimeNs end_ns() const { return end_ns_; }
+  [[nodiscard]] bool was_interrupted() const;
+  /// What the simulated building knows; nothing without one.
+  [[nodiscard]] std::optional<nav::OutsideView> outside();
+  /// By how much its steps came too late, at most.
+  [[nodiscard]] double building_late_s() const;
+  [[nodiscard]] std::uint64_t unrecorded_bytes() const { return recorder_ == nullptr ? 0 : recorder_->lost_bytes(); }
+
+ private:
+  [[nodiscard]] hal::Result<std::string> find_port();
+  [[nodiscard]] hal::Result<void> begin_files();
+  [[nodiscard]] hal::DepthCamera& camera();
+  void end_camera();
+  void save_poses();
+  void show(hal::TimeNs since_ns, const nav::LiveStatus& status) const;
+  void note_base();
+
+  const board::Board& board_;
+  const LiveOptions& options_;
+  const nav::RobotConfig& config_;
+  hal::RealClock clock_;
+  hal::Observable observable_;
+  std::optional<nav::CoverageMeter> meter_;
+  std::unique_ptr<hal::RealTimeBuilding> building_;
+  std::unique_ptr<hal::RealTimeBuilding::Camera> sim_camera_;
+  hal::SerialPort port_;
+  std::optional<hal::kobuki::LineGuard> guard_;
+  NoCamera no_camera_;
+  std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
+  std::unique_ptr<nav::RobotThreads> robot_;
+
+  std::optional<hal::TrajectoryWriter> trajectory_;
+  std::vector<hal::Pose> poses_;
+  std::optional<hal::Error> failure_;
+  BaseReport base_;
+  double run_s_ = 0.0;
+  hal::TimeNs end_ns_ = 0;
+};
+
+}  // namespace g3d

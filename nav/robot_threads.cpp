@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/robot_threads.hpp"
+
+#include <pthread.h>
+
+#include <algorithm>
+
+namespace g3d::nav {
+namespace {
+
+constexpr std::size_t kPosesWaiting = 4096;  // more than two minutes of frames
+
+std::size_t frames_waiting(const RobotThreadsConfig& config) { return std::max<std::size_t>(config.frames_waiting, 1); }
+
+void name_thread(const char* name) { (void)pthread_setname_np(pthread_self(), name); }
+
+}  // namespace
+
+const char* RobotThreads::name_of(Stage stage) {
+  switch (stage) {
+    case Stage::read:
+      return "read";
+    case Stage::look:
+      return "look";
+    case Stage::integrate:
+      return "integrate";
+    case Stage::end_to_end:
+      return "end_to_end";
+    case Stage::hand_over:
+      return "hand_over";
+    case Stage::ground:
+      return "ground";
+    case Stage::navigate:
+      return "navigate";
+    case Stage::navigate_late:
+      return "navigate_late";
+    case Stage::control_jitter:
+      return "control_jitter";
+    case Stage::count_:
+      break;
+  }
+  return "unknown";
+}
+
+RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& parts)
+    : config_(config),
+      parts_(parts),
+      base_(parts.line, parts.clock, base_options(), parts.guard, parts.recorder),
+      senses_({config.robot.camera, config.robot.T_base_camera, config.robot.T_world_start, config.robot.frame_watch}),
+      mapper_(config.robot.mapper, config.robot.camera, {}),
+      navigator_(mapper_.map().grid(), config.robot.navigator),
+      // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
+      pool_(config.robot.camera, frames_waiting(config) + 2),
+      to_mapper_(frames_waiting(config)),
+      poses_(kPosesWaiting) {}
+
+RobotThreads::~RobotThreads() { stop(); }
+
+hal::kobuki::BaseThreadOptions RobotThreads::base_options() {
+  hal::kobuki::BaseThreadOptions options = config_.base;
+  options.driver = config_.robot.driver;
+  options.on_tick = [this](hal::TimeNs late_ns) { times(Stage::control_jitter).add(late_ns); };
+  return options;
+}
+
+void RobotThreads::start() {
+  if (ending_.load(std::memory_order_relaxed) || camera_thread_.joinable()) return;
+  base_.start();
+  navigator_thread_ = std::thread([this] { navigator_loop(); });
+  mapper_thread_ = std::thread([this] { mapper_loop(); });
+  camera_thread_ = std::thread([this] { camera_loop(); });
+}
+
+void RobotThreads::stop() {
+  ending_.store(true, std::memory_order_release);
+  base_.stop();  // with zeros: whatever takes long below, it stands
+  if (!camera_thread_.joinable()) return;
+  if (parts_.end_camera) parts_.end_camera();
+  camera_thread_.join();
+  mapper_waits_.stop();
+  mapper_thread_.join();  // the navigator still takes its last maps
+  navigator_ending_.store(true, std::memory_order_release);
+  navigator_thread_.join();
+}
+
+void RobotThreads::camera_loop() {
+  name_thread("camera");
+  std::uint32_t index = 0;
+  bool has_frame = pool_.try_acquire(index);
+  hal::kobuki::PoseHistory poses;
+  while (has_frame && !ending_.load(std::memory_order_acquire)) {
+    const hal::TimeNs start_ns = parts_.clock.now();
+    const hal::CameraRead read = parts_.camera.read(pool_[index]);
+    if (read.event == hal::CameraEvent::end) break;
+    const hal::TimeNs now_ns = parts_.clock.now();
+    times(Stage::read).add(now_ns - start_ns);
+    delivered_.fetch_add(1, std::memory_order_relaxed);
+    if (read.event == hal::CameraEvent::dropped) {
+      drop(read.reason);
+      continue;
+    }
+    (void)base_.poses().read(poses);
+    const Sight sight = senses_.look(pool_[index], poses, now_ns);
+    if (sight.is_alive) base_.set_camera_alive(pool_[index].stamp_ns);
+    add_time(Stage::look, now_ns);
+    if (sight.refused) {
+      drop(*sight.refused);
+      continue;
+    }
+    const auto oldest = to_mapper_.push_overwrite_oldest({index, sight.T_world_base, sight.T_world_camera});
+    mapper_waits_.wake();
+    if (oldest) {
+      drop(hal::DropReason::queue_full);
+      index = oldest->frame_index;
+    } else {
+      has_frame = pool_.try_acquire(index);
+    }
+  }
+  camera_ended_.store(true, std::memory_order_release);
+}
+
+void RobotThreads::mapper_loop() {
+  name_thread("mapper");
+  JudgedFrame judged;
+  while (mapper_waits_.wait([&] { return to_mapper_.try_pop(judged); })) {
+    integrate(judged);
+    pool_.release(judged.frame_index);
+  }
+}
+
+void RobotThreads::integrate(const JudgedFrame& judged) {
+  const hal::Frame& frame = pool_[judged.frame_index];
+  if (integrated_.load(std::memory_order_relaxed) == 0) {
+    const hal::PlanarPose& base = judged.T_world_base;
+    mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.robot.navigator.explorer.body_radius_m,
+                           config_.robot.robot_height_m);
+  }
+  const hal::TimeNs start_ns = parts_.clock.now();
+  const mapper::FrameReport report = mapper_.integrate(frame, judged.T_world_camera);
+  const hal::TimeNs mapped_ns = parts_.clock.now();
+  times(Stage::integrate).add(mapped_ns - start_ns);
+  if (report.status == mapper::FrameStatus::out_of_range) {
+    drop(hal::DropReason::out_of_range);
+    return;
+  }
+  times(Stage::end_to_end).add(mapped_ns - frame.stamp_ns);
+  if (report.status == mapper::FrameStatus::pool_full) ++pool_full_frames_;
+  refused_blocks_ += report.refused_blocks;
+  integrated_.fetch_add(1, std::memory_order_relaxed);
+  if (!poses_.try_push({frame.stamp_ns, judged.T_world_camera})) ++lost_poses_;
+
+  shown_ = judged;
+  navigators_turn_.store(true, std::memory_order_release);
+  // The navigator outlives this thread, so the wait ends.
+  (void)map_waits_.wait([&] { return !navigators_turn_.load(std::memory_order_acquire); });
+  add_time(Stage::hand_over, mapped_ns);
+}
+
+void RobotThreads::navigator_loop() {
+  name_thread("navigator");
+  const hal::TimeNs period_ns = config_.robot.steps_per_command * hal::kobuki::kPacketPeriod_ns;
+  hal::TimeNs due_ns = parts_.clock.now();
+  while (!navigator_ending_.load(std::memory_order_acquire)) {
+    const hal::TimeNs now_ns = parts_.clock.now();
+    take_base(now_ns);
+    if (now_ns >= due_ns) {
+      if (seen_packets_ > 0 && !ending_.load(std::memory_order_acquire)) {
+        times(Stage::navigate_late).add(now_ns - due_ns);
+        step(now_ns);
+      }
+      due_ns = std::max(due_ns + period_ns, now_ns);  // what was missed is not made up for
+    }
+    take_map(parts_.clock.now());
+    if (parts_.clock.now() >= next_coverage_ns_) tell(parts_.clock.now());
+    parts_.clock.sleep_until(std::min(due_ns, parts_.clock.now() + config_.poll_ns));
+  }
+  tell(parts_.clock.now());
+}
+
+void RobotThreads::take_base(hal::TimeNs now) {
+  hal::kobuki::BaseState state;
+  if (!base_.state().read_newer(seen_state_, state) || state.packets == seen_packets_) return;
+  seen_packets_ = state.packets;
+  navigator_.on_base(senses_.feel(state), now);
+}
+
+void RobotThreads::step(hal::TimeNs now) {
+  const hal::Twist wanted = navigator_.step(now);
+  base_.set_command(wanted, now);
+  if (navigator_.is_rear_free()) base_.set_rear_free(now);
+  add_time(Stage::navigate, now);
+}
+
+void RobotThreads::take_map(hal::TimeNs now) {
+  if (!navigators_turn_.load(std::memory_order_acquire)) return;
+  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), now);
+  navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.T_world_base, now);
+  navigators_turn_.store(false, std::memory_order_release);
+  map_waits_.wake();
+  add_time(Stage::ground, now);
+}
+
+void RobotThreads::tell(hal::TimeNs now) {
+  next_coverage_ns_ = now + config_.coverage_period_ns;
+  if (parts_.coverage && seen_packets_ > 0) {
+    coverage_ = parts_.coverage(navigator_.ground());
+    navigator_.report().note_coverage(coverage_, now);
+  }
+  status_.write({now, coverage_, navigator_.report().path_m, navigator_.mission().state()});
+}
+
+void RobotThreads::drop(hal::DropReason reason) {
+  dropped_[static_cast<std::size_t>(reason)].fetch_add(1, std::memory_order_relaxed);
+}
+
+mapper::FrameCounts RobotThreads::frames() const {
+  mapper::FrameCounts counts;
+  counts.delivered = delivered_.load(std::memory_order_relaxed);
+  counts.integrated = integrated_.load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < hal::kDropReasonCount; ++i) {
+    counts.dropped[i] = dropped_[i].load(std::memory_order_relaxed);
+  }
+  return counts;
+}
+
+std::vector<mapper::NamedStage> RobotThreads::stages() const {
+  std::vector<mapper::NamedStage> named;
+  for (std::size_t i = 0; i < kStages; ++i) named.push_back({name_of(static_cast<Stage>(i)), times_[i]});
+  return named;
+}
+
+}  // namespace g3d::nav

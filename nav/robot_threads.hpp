@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// The robot in real time, each part in a thread of its own:
+//
+//   camera thread ──judged frames, a ring──▶ mapper thread ══the map, in turns══▶ navigator thread
+//        ▲  └─the camera sees─▶ base thread ◀──────command, latest value──────────────┘  ▲
+//        └────odometry, latest value────┴───────────────odometry, latest value───────────┘
+//
+// A mapper that is behind loses the oldest waiting frame (queue_full), never the newest. After a frame the map belongs
+// to the navigator until that has taken the changes over, then to the mapper again; so the navigator decides on time
+// even while a frame is being mapped. It never waits for anybody. No locks; nothing allocates after the start but what
+// the explorer reserved for itself.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/depth_camera.hpp"
+#include "hal/frame_pool.hpp"
+#include "hal/kobuki/base_thread.hpp"
+#include "hal/latest.hpp"
+#include "hal/parking.hpp"
+#include "hal/replay/trajectory_file.hpp"
+#include "hal/ring.hpp"
+#include "mapper/mapper.hpp"
+#include "mapper/report.hpp"
+#include "mapper/stage_times.hpp"
+#include "nav/navigator.hpp"
+#include "nav/robot.hpp"
+#include "nav/senses.hpp"
+
+namespace g3d::nav {
+
+struct RobotThreadsConfig {
+  RobotConfig robot;
+  hal::kobuki::BaseThreadOptions base;           ///< its driver is the robot's
+  std::size_t frames_waiting = 2;                ///< for the mapper, 1 or more
+  hal::TimeNs poll_ns = 2'000'000;               ///< how often the navigator looks for a new map
+  hal::TimeNs coverage_period_ns = 500'000'000;  ///< how often it is measured
+};
+
+/// What the robot is made of. All outlive it; guard and recorder may be null.
+struct RobotParts {
+  hal::ByteLine& line;
+  hal::DepthCamera& camera;
+  hal::Clock& clock;
+  std::function<void()> end_camera;  ///< makes the camera's read() return soon. Any thread
+  hal::kobuki::LineGuard* guard = nullptr;
+  hal::kobuki::LineRecorder* recorder = nullptr;
+  /// 0..1 of what can be seen: for somebody who knows the building. May be empty. The navigator's thread.
+  std::function<double(const GroundMap&)> coverage;
+};
+
+/// For people who look on while it runs.
+struct LiveStatus {
+  hal::TimeNs stamp_ns = 0;
+  double coverage = 0.0;
+  double path_m = 0.0;
+  MissionState state = MissionState::starting;
+};
+
+class RobotThreads {
+ public:
+  RobotThreads(const RobotThreadsConfig& config, const RobotParts& parts);
+  ~RobotThreads();
+  RobotThreads(const RobotThreads&) = delete;
+  RobotThreads& operator=(const RobotThreads&) = delete;
+
+  /// Once. It drives as soon as base and camera have proven themselves.
+  void start();
+  /// Zeros to the base first; then every frame under way goes into the map, and the threads end. Once stopped it is not
+  /// started again.
+  void stop();
+
+  // While it runs
+  [[nodiscard]] const hal::Latest<LiveStatus>& status() const { return status_; }
+  [[nodiscard]] hal::kobuki::BaseThread& base() { return base_; }
+  /// Whether the camera has said that no frame will ever come again.
+  [[nodiscard]] bool camera_has_ended() const { return camera_ended_.load(std::memory_order_acquire); }
+  /// The pose of each frame that is in the map, in their order. One thread; if it comes too seldom, poses are lost.
+  [[nodiscard]] bool next_pose(hal::StampedPose& pose) { return poses_.try_pop(pose); }
+
+  // After stop()
+  [[nodiscard]] mapper::FrameCounts frames() const;
+  [[nodiscard]] std::vector<mapper::NamedStage> stages() const;
+  [[nodiscard]] const mapper::Mapper& mapper() const { return mapper_; }
+  [[nodiscard]] const Navigator& navigator() const { return navigator_; }
+  [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
+  [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
+  [[nodiscard]] std::uint64_t lost_poses() const { return lost_poses_; }
+
+ private:
+  struct JudgedFrame {
+    std::uint32_t frame_index = 0;
+    hal::PlanarPose T_world_base;
+    hal::Pose T_world_camera;
+  };
+  enum class Stage : std::uint8_t {
+    read,            ///< camera: waiting for the frame included
+    look,            ///< judging it
+    integrate,       ///< frame -> map
+    end_to_end,      ///< the frame's stamp -> map updated
+    hand_over,       ///< map updated -> the navigator has taken the changes over
+    ground,          ///< the navigator's part of that
+    navigate,        ///< a step of the navigator
+    navigate_late,   ///< by how much it came too late
+    control_jitter,  ///< by how much the base's 20 ms tick came too late
+    count_,
+  };
+  static constexpr std::size_t kStages = static_cast<std::size_t>(Stage::count_);
+  [[nodiscard]] static const char* name_of(Stage stage);
+
+  void camera_loop();
+  void mapper_loop();
+  void navigator_loop();
+  void integrate(const JudgedFrame& judged);
+  void take_base(hal::TimeNs now);
+  void take_map(hal::TimeNs now);
+  void step(hal::TimeNs now);
+  void tell(hal::TimeNs now);
+  void drop(hal::DropReason reason);
+  [[nodiscard]] mapper::StageTimes& times(Stage stage) { return times_[static_cast<std::size_t>(stage)]; }
+  void add_time(Stage stage, hal::TimeNs start_ns) { times(stage).add(parts_.clock.now() - start_ns); }
+  [[nodiscard]] hal::kobuki::BaseThreadOptions base_options();
+
+  const RobotThreadsConfig config_;
+  const RobotParts parts_;
+  std::array<mapper::StageTimes, kStages> times_;  // each written by one thread
+  hal::kobuki::BaseThread base_;
+  Senses senses_;
+  mapper::Mapper mapper_;
+  Navigator navigator_;
+
+  hal::FramePool pool_;
+  hal::Ring<JudgedFrame> to_mapper_;
+  hal::Parking mapper_waits_;
+  std::atomic<bool> navigators_turn_{false};  // who may touch the map, its changes and shown_
+  hal::Parking map_waits_;
+  JudgedFrame shown_;
+  hal::Ring<hal::StampedPose> poses_;
+  hal::Latest<LiveStatus> status_;
+
+  std::atomic<bool> ending_{false}, navigator_ending_{false}, camera_ended_{false};
+  std::atomic<std::uint64_t> delivered_{0}, integrated_{0};
+  std::array<std::atomic<std::uint64_t>, hal::kDropReasonCount> dropped_{};
+
+  // The mapper thread's
+  std::uint64_t pool_full_frames_ = 0, refused_blocks_ = 0, lost_poses_ = 0;
+  // The navigator thread's
+  std::uint64_t seen_state_ = 0, seen_packets_ = 0;
+  double coverage_ = 0.0;
+  hal::TimeNs next_coverage_ns_ = 0;
+
+  std::thread camera_thread_, mapper_thread_, navigator_thread_;
+};
+
+}  // namespace g3d::nav

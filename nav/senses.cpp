@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/senses.hpp"
+
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+hal::Pose on_floor(const hal::PlanarPose& p) { return hal::from_xyz_rpy(p.x_m, p.y_m, 0.0, 0.0, 0.0, p.heading_rad); }
+
+Sight refused(hal::DropReason reason) {
+  Sight sight;
+  sight.refused = reason;
+  return sight;
+}
+
+}  // namespace
+
+hal::PlanarPose Senses::in_world(const hal::PlanarPose& T_odometry_base) const {
+  const hal::PlanarPose& start = config_.T_world_start;
+  const double c = std::cos(start.heading_rad);
+  const double s = std::sin(start.heading_rad);
+  return {start.x_m + c * T_odometry_base.x_m - s * T_odometry_base.y_m,
+          start.y_m + s * T_odometry_base.x_m + c * T_odometry_base.y_m,
+          wrap_angle(start.heading_rad + T_odometry_base.heading_rad)};
+}
+
+Sight Senses::look(const hal::Frame& frame, const hal::kobuki::PoseHistory& poses, hal::TimeNs now) {
+  if (last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_) return refused(hal::DropReason::time_backwards);
+  last_stamp_ns_ = frame.stamp_ns;
+  const auto T_odometry_base = poses.at(frame.stamp_ns);
+  if (!T_odometry_base) return refused(hal::DropReason::no_pose);
+  Sight sight;
+  sight.T_world_base = in_world(*T_odometry_base);
+  const hal::FrameFault fault = frame_watch_.check(frame, config_.camera, sight.T_world_base, now);
+  sight.is_alive = fault == hal::FrameFault::none;
+  if (fault == hal::FrameFault::garbage || fault == hal::FrameFault::stuck) {
+    return refused(hal::DropReason::unreadable_depth);
+  }
+  sight.T_world_camera = hal::compose(on_floor(sight.T_world_base), config_.T_base_camera);
+  return sight;
+}
+
+BaseView Senses::feel(const hal::kobuki::BaseState& base) const {
+  BaseView view;
+  view.T_world_base = in_world(base.T_world_base);
+  view.velocity = base.velocity;
+  view.bumper = base.bumper;
+  view.cliff = base.cliff;
+  view.verdict = base.verdict;
+  return view;
+}
+
+}  // namespace g3d::nav

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/robot_threads.hpp"
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <mutex>
+
+#include "hal/sim/load_world.hpp"
+#include "hal/sim/reach.hpp"
+#include "hal/sim/sim_building.hpp"
+
+using namespace g3d;
+using namespace g3d::nav;
+
+namespace {
+
+constexpr hal::TimeNs kMs = 1'000'000;
+constexpr hal::TimeNs kPatience_ns = 20'000 * kMs;  // for sanitizers on a busy machine
+
+hal::SimBuildingOptions one_robot(const hal::World& world) {
+  hal::SimBuildingOptions options;
+  options.camera = hal::scaled_kinect(48, 36);
+  options.robots.resize(1);
+  options.robots[0].T_world_base = hal::choose_starts(world, 1, 1).value()[0];
+  return options;
+}
+
+/// A building that moves on whenever somebody at the line or behind the camera looks at it: no thread of its own.
+struct Place final : hal::ByteLine, hal::DepthCamera {
+  explicit Place(const hal::World& world) : options(one_robot(world)), building(world, options) {}
+
+  [[nodiscard]] std::size_t read(std::span<std::uint8_t> into) override {
+    const std::lock_guard lock(mutex);
+    move_on();
+    return building.line(0).read(into);
+  }
+  [[nodiscard]] bool write(std::span<const std::uint8_t> bytes) override {
+    const std::lock_guard lock(mutex);
+    return building.line(0).write(bytes);
+  }
+  [[nodiscard]] hal::LineState state() const override { return hal::LineState::up; }
+
+  [[nodiscard]] const hal::CameraModel& model() const override { return options.camera; }
+  [[nodiscard]] hal::CameraRead read(hal::Frame& out) override {
+    clock.sleep_until(clock.now() + frame_period_ns.load());
+    if (ended.load()) return {hal::CameraEvent::end, {}};
+    if (++frames % 10 == 0) return {hal::CameraEvent::dropped, hal::DropReason::wrong_size};
+    const std::lock_guard lock(mutex);
+    move_on();
+    building.render(0, out);
+    out.stamp_ns += begin_ns;
+    return {hal::CameraEvent::frame, {}};
+  }
+
+  void move_on() { building.advance_to(clock.now() - begin_ns); }
+  hal::kobuki::BaseControl drive() {
+    const std::lock_guard lock(mutex);
+    move_on();
+    return building.kobuki(0).drive();
+  }
+  double driven_m() {
+    const std::lock_guard lock(mutex);
+    return building.record(0).driven_m + building.record(0).turned_rad;
+  }
+
+  hal::RealClock clock;
+  const hal::TimeNs begin_ns = clock.now();
+  const hal::SimBuildingOptions options;
+  std::mutex mutex;
+  hal::SimBuilding building;
+  std::atomic<hal::TimeNs> frame_period_ns{80 * kMs};
+  std::atomic<bool> ended{false};
+  std::uint64_t frames = 0;  // the camera thread's
+};
+
+struct Live {
+  Place place{hal::load_world("two_rooms").value()};
+  RobotThreads robot{config(place), parts()};
+
+  static RobotThreadsConfig config(const Place& place) {
+    RobotThreadsConfig config;
+    config.robot.mapper.resolution_m = 0.1F;
+    config.robot.mapper.capacity = mapper::capacity_for_bytes(32'000'000);
+    config.robot.mapper.threads = 1;
+    config.robot.camera = place.options.camera;
+    config.robot.T_base_camera = place.options.robots[0].T_base_camera;
+    config.robot.T_world_start = place.options.robots[0].T_world_base;
+    config.robot.navigator.ground.centre_x_m = config.robot.T_world_start.x_m;
+    config.robot.navigator.ground.centre_y_m = config.robot.T_world_start.y_m;
+    config.robot.navigator.ground.max_slots = config.robot.mapper.capacity.blocks;
+    // Under a sanitizer, with everybody else on the machine, threads are late; the safety table has its own tests.
+    hal::SafetyTimes& times = config.robot.driver.times;
+    times.late_thread_ns = times.late_base_ns = times.silent_base_ns = 2'000 * kMs;
+    times.silent_camera_ns = times.stale_command_ns = 2'000 * kMs;
+    config.robot.frame_watch.max_age_ns = 2'000 * kMs;
+    config.coverage_period_ns = 100 * kMs;
+    return config;
+  }
+  RobotParts parts() {
+    RobotParts parts{place, place, place.clock, [this] { place.ended.store(true); }, nullptr, nullptr, {}};
+    parts.coverage = [this](const GroundMap&) { return 0.01 * ++asked; };
+    return parts;
+  }
+  bool becomes_true(const std::function<bool()>& condition) {
+    const hal::TimeNs end_ns = place.clock.now() + kPatience_ns;
+    while (!condition()) {
+      if (place.clock.now() >= end_ns) return false;
+      place.clock.sleep_until(place.clock.now() + 5 * kMs);
+    }
+    return true;
+  }
+  std::atomic<int> asked{0};
+};
+
+const mapper::StageTimes& times_of(const std::vector<mapper::NamedStage>& stages, const std::string& name) {
+  for (const mapper::NamedStage& stage : stages) {
+    if (stage.name == name) return stage.times;
+  }
+  throw std::runtime_error("no stage " + name);
+}
+
+}  // namespace
+
+TEST_CASE("in threads, the robot looks around by itself, and stands when it is stopped", "[threads]") {
+  Live live;
+  live.robot.start();
+  REQUIRE(live.becomes_true([&] { return live.place.driven_m() > 0.5; }));
+  LiveStatus status;
+  REQUIRE(live.becomes_true([&] { return live.robot.status().read(status) > 2; }));
+  CHECK(status.coverage > 0.0);
+  live.robot.stop();
+  CHECK(live.becomes_true([&] { return live.place.drive() == hal::kobuki::BaseControl{}; }));
+  live.robot.stop();  // changes nothing
+
+  const mapper::FrameCounts frames = live.robot.frames();
+  CHECK(frames.balanced());
+  CHECK(frames.integrated > 0);
+  CHECK(frames.dropped[static_cast<std::size_t>(hal::DropReason::wrong_size)] == frames.delivered / 10);
+  CHECK(live.robot.mapper().map().counts().free > 0);
+  CHECK(live.robot.navigator().report().coverage().size() > 1);
+  std::uint64_t poses = 0;
+  hal::StampedPose pose, before;
+  for (; live.robot.next_pose(pose); ++poses) {
+    CHECK(pose.stamp_ns > before.stamp_ns);
+    CHECK(pose.T_world_camera.translation_m[2] == Approx(0.5));
+    before = pose;
+  }
+  CHECK(poses == frames.integrated);
+  const auto stages = live.robot.stages();
+  CHECK(times_of(stages, "integrate").count() == frames.integrated);
+  CHECK(times_of(stages, "ground").count() == frames.integrated);
+  CHECK(times_of(stages, "read").count() == frames.delivered);
+  CHECK(times_of(stages, "navigate").count() > 0);
+  hal::kobuki::BaseState base;
+  (void)live.robot.base().state().read(base);
+  CHECK(times_of(stages, "control_jitter").count() + 1 >= base.ticks);
+  CHECK(base.packets > 0);
+}
+
+TEST_CASE("a mapper that is behind loses the oldest frames, counts them, and the robot drives on", "[threads]") {
+  Live live;
+  live.place.frame_period_ns.store(0);  // frames come as fast as they can be drawn
+  live.robot.start();
+  const auto lost = [&] { return live.robot.frames().dropped[static_cast<std::size_t>(hal::DropReason::queue_full)]; };
+  CHECK(live.becomes_true([&] { return lost() > 0 && live.place.driven_m() > 0.3; }));
+  live.robot.stop();
+  CHECK(lost() > 0);
+  CHECK(live.robot.frames().integrated > 0);
+  CHECK(live.robot.frames().balanced());
+}
+
+TEST_CASE("a camera that ends is seen, and what it gave is in the map", "[threads]") {
+  Live live;
+  live.robot.start();
+  REQUIRE(live.becomes_true([&] { return live.robot.frames().integrated > 2; }));
+  CHECK_FALSE(live.robot.camera_has_ended());
+  live.place.ended.store(true);
+  CHECK(live.becomes_true([&] { return live.robot.camera_has_ended(); }));
+  live.robot.stop();
+  CHECK(live.robot.frames().balanced());
+}
+
+TEST_CASE("a robot that was never started stops, and one that was stopped is not started again", "[threads]") {
+  Live live;
+  live.robot.stop();
+  live.robot.start();
+  CHECK(live.robot.frames().delivered == 0);
+  CHECK_FALSE(live.robot.camera_has_ended());
+}
