@@ -30,7 +30,7 @@ struct ArcView {
 /// Sees only what lies around the robot: gather() once per step, then look() along as many arcs as wanted.
 class ArcCheck {
  public:
-  static constexpr double kNoticed_m = 0.15;  ///< obstacles farther from the body do not slow it down
+  static constexpr double kNoticed_m = 0.12;  ///< obstacles farther from the body do not slow it down
   static constexpr double kStep_m = 0.025;
   static constexpr double kSlack_m = 0.010;
 

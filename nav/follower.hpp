@@ -24,7 +24,7 @@ struct FollowerConfig {
   double heading_tolerance_rad = 0.10;
   double resolution_m = 0.05;         ///< of the grids it will see
   double path_look_m = 3.0;           ///< how far ahead the path is checked against the costs
-  double beside_obstacle_mps = 0.25;  ///< speed when the body all but touches; rises to the full one at kNoticed_m
+  double beside_obstacle_mps = 0.30;  ///< speed when the body all but touches; rises to the full one at kNoticed_m
 };
 
 enum class FollowerState : std::uint8_t {
