@@ -71,7 +71,9 @@ void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, co
   for (std::size_t first = 0; first < kSectors;) {
     std::size_t end = first;
     while (end < kSectors && is_suspicious_[end]) ++end;
-    const bool is_wide = end - first >= static_cast<std::size_t>(config_.least_sectors);
+    const bool goes_on_outside = first == 0 || end == kSectors;
+    const int least = goes_on_outside ? config_.least_at_edge : config_.least_sectors;
+    const bool is_wide = end - first >= static_cast<std::size_t>(least);
     for (; first < end; ++first) is_suspicious_[first] = is_wide;
     ++first;
   }

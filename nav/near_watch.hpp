@@ -26,6 +26,7 @@ struct NearWatchConfig {
   double lowest_rows = 0.15;  ///< of the image: where a free floor is measured
   double seen_share = 0.2;    ///< of these pixels in a sector, if the floor is free
   int least_sectors = 5;      ///< beside each other; narrower gaps are the shadows that near things throw
+  int least_at_edge = 3;      ///< at the image's edge, where only a part is in view
   double hold_s = 2.5;        ///< a suspicion that is not repeated ends
 };
 

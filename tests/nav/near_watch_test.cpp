@@ -94,6 +94,14 @@ TEST_CASE("A narrow gap is the shadow of something near") {
   CHECK_FALSE(scene.is_suspect(0.4, 0.0));
 }
 
+TEST_CASE("At the image's edge a narrower gap will do: there is more of it outside") {
+  Scene scene;
+  scene.fill(0.0, 0.19, 0);
+  scene.look();
+  CHECK(scene.is_suspect(0.6, 0.27));
+  CHECK_FALSE(scene.is_suspect(0.6, 0.0));
+}
+
 TEST_CASE("Bearings are the camera's, headings the world's") {
   Scene scene;
   scene.fill(0.0, 0.4, 0);
