@@ -16,7 +16,8 @@ Examples:
   g3dmap replay walk --poses odometry.tum --resolution 0.02 --threads 2 --out out
   g3dmap replay walk --rate 1 --out out          as fast as it was recorded; late frames are dropped and counted
 
-LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt.)";
+LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt. Without
+poses they are computed from the base's bytes in kobuki.bin, with the camera mounted as --board says.)";
 
 constexpr const char* kSimExamples = R"(
 Examples:

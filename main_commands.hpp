@@ -38,7 +38,7 @@ struct MappingOptions {
 struct ReplayOptions {
   MappingOptions mapping;
   std::string log_dir;
-  std::string poses_path;  ///< empty: trajectory.tum, else groundtruth.txt
+  std::string poses_path;  ///< empty: trajectory.tum, else groundtruth.txt, else odometry from kobuki.bin
 };
 
 struct SimOptions {

@@ -12,6 +12,7 @@
 
 #include "hal/clock.hpp"
 #include "hal/image/file_bytes.hpp"
+#include "hal/replay/recorded_odometry.hpp"
 #include "hal/replay/recorded_poses.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/trajectory_file.hpp"
@@ -264,6 +265,28 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   return failures.empty() ? kExitDone : kExitFailed;
 }
 
+/// The recording's own poses; where it has none, those that the odometry of its base gives.
+hal::Result<std::unique_ptr<hal::RecordedPoses>> replay_poses(const ReplayOptions& options, const board::Board& board,
+                                                              std::vector<std::string>& notes) {
+  const std::string base_path = options.log_dir + "/kobuki.bin";
+  const bool has_poses = !options.poses_path.empty() || hal::find_trajectory(options.log_dir).ok();
+  if (has_poses || !std::filesystem::exists(base_path)) {
+    return hal::RecordedPoses::open(options.log_dir, options.poses_path);
+  }
+  const auto log = hal::KobukiLog::open(base_path);
+  if (!log) return log.error();
+  hal::RecordedOdometry odometry = hal::recompute_odometry(log.value(), mount_pose(board));
+  if (odometry.poses.empty()) {
+    return hal::Error{hal::Reason::malformed,
+                      fmt::format("{}: not one good packet of a base among {} records, so there is no odometry; give a "
+                                  "file of poses with --poses",
+                                  base_path, log.value().record_count())};
+  }
+  notes.push_back(fmt::format("poses from the base's odometry: {} packets, {:.2f} m, {} rejected",
+                              odometry.rejects.accepted_frames, odometry.path_m, odometry.rejects.total()));
+  return std::make_unique<hal::RecordedPoses>(std::move(odometry.poses));
+}
+
 }  // namespace
 
 int run_replay(const ReplayOptions& options, const std::string& command_line) {
@@ -271,13 +294,13 @@ int run_replay(const ReplayOptions& options, const std::string& command_line) {
   if (!board) return fail(board.error().text);
   auto camera = hal::ReplayCamera::open(options.log_dir);
   if (!camera) return fail(camera.error().text);
-  auto poses = hal::RecordedPoses::open(options.log_dir, options.poses_path);
+  std::vector<std::string> notes = camera.value()->warnings();
+  auto poses = replay_poses(options, board.value(), notes);
   if (!poses) return fail(poses.error().text);
   if (!options.mapping.quiet) {
     for (const std::string& warning : camera.value()->warnings()) fmt::print(stderr, "g3dmap: warning: {}\n", warning);
   }
-  return map_source({*camera.value(), *poses.value(), camera.value()->warnings()}, board.value(), options.mapping,
-                    command_line);
+  return map_source({*camera.value(), *poses.value(), std::move(notes)}, board.value(), options.mapping, command_line);
 }
 
 int run_sim(const SimOptions& options, const std::string& command_line) {

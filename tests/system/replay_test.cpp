@@ -5,8 +5,12 @@
 #include <fstream>
 #include <string>
 
+#include "hal/kobuki/odometry.hpp"
+#include "hal/replay/kobuki_log.hpp"
+#include "hal/replay/trajectory_file.hpp"
 #include "mapper/files/any_map.hpp"
 #include "mapper/map_hash.hpp"
+#include "tests/support/kobuki_packets.hpp"
 #include "tests/support/log_folder.hpp"
 #include "tests/support/report_reader.hpp"
 #include "tests/support/run_program.hpp"
@@ -164,6 +168,50 @@ TEST_CASE("poses from another file replace the recording's own", "[system][repla
       run_g3dmap({"replay", run.log, "--poses", run.folder / "elsewhere.tum", "--out", run.out, "--quiet"});
   CHECK(result.exit_code == 0);
   CHECK(run.reported("integrated") == 12);
+}
+
+TEST_CASE("without poses the base's bytes give them", "[system][replay]") {
+  // Half a metre ahead while the frames are taken, and some noise on the line.
+  const auto record_base = [](Replay& r) {
+    std::filesystem::remove(r.log + "/groundtruth.txt");
+    g3d::hal::kobuki::Feedback packet = g3d::tests::first_packet();
+    std::vector<std::uint8_t> file;
+    const auto first_ns = static_cast<g3d::hal::TimeNs>(1e9 * std::stod(log_stamp(r.spec, 0))) - 20'000'000;
+    for (int i = 0; i < 25; ++i) {
+      std::vector<std::uint8_t> bytes = g3d::tests::frame_of(packet);
+      if (i == 3) bytes.insert(bytes.begin(), {0xAA, 0x55, 0x07});
+      g3d::hal::append_record(file, first_ns + i * g3d::hal::kobuki::kPacketPeriod_ns, bytes);
+      packet = g3d::tests::packet_after(packet, 230, 230);
+    }
+    write_plain(r.log + "/kobuki.bin", std::span<const std::uint8_t>(file));
+  };
+  const Replay run(record_base, {"--board", "board/kobuki_tx2.toml", "--resolution", "0.05", "--window", "0"});
+  INFO(run.result.err);
+  REQUIRE(run.result.exit_code == 0);
+  CHECK(run.reported("integrated") == 12);
+  CHECK(run.balanced());
+  CHECK(contains(read_plain(run.out + "/report.json"), "poses from the base's odometry: 25 packets, 0.4"));
+  const auto way = g3d::hal::read_trajectory(run.out + "/trajectory.tum");
+  REQUIRE(way.ok());
+  REQUIRE(way.value().size() == 12);
+  const g3d::hal::Pose& last = way.value().back().T_world_camera;
+  CHECK(last.translation_m[2] == Approx(0.42));  // as the board has it mounted
+  CHECK(last.translation_m[0] - way.value().front().T_world_camera.translation_m[0] ==
+        Approx(11.0 / 30.0 * 230 * 50 * g3d::hal::kobuki::kMetresPerTick).epsilon(0.02));
+
+  const Replay own([&](Replay& r) {
+    record_base(r);
+    std::ofstream(r.log + "/trajectory.tum") << "1.0 0 0 0 0 0 0 1\n";  // the recording's own poses come first
+  });
+  CHECK(own.reported("no_pose") == 12);
+  const Replay nothing([&](Replay& r) {
+    std::filesystem::remove(r.log + "/groundtruth.txt");
+    std::vector<std::uint8_t> file;
+    g3d::hal::append_record(file, 1, std::vector<std::uint8_t>(300, 0x55));
+    write_plain(r.log + "/kobuki.bin", std::span<const std::uint8_t>(file));
+  });
+  CHECK(nothing.result.exit_code == 1);
+  CHECK(contains(nothing.result.err, "kobuki.bin: not one good packet"));
 }
 
 TEST_CASE("a wall view becomes a mask that replay takes", "[system][replay][mask]") {
