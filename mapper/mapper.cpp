@@ -133,7 +133,8 @@ FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_
         {p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb != nullptr, p.frame_number});
     last_chunk = p.updater.chunks() - 1;
   } else {
-    p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count(), p.pool.threads() == 1);
+    p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count(),
+                    p.pool.threads() == 1);
   }
   p.offer_remaining_hits(*geometry, last_chunk);
   report.refused_blocks = p.updater.finish(p.pool);
