@@ -140,7 +140,7 @@ TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
-	clang-format --dry-run -Werror $(SOURCES)
+	@clang-format --dry-run -Werror $(SOURCES)
 	scripts/check-house
 tidy: ## clang-tidy on everything (slow)
 	printf '%s\n' $(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) | xargs -P $$(nproc) -n 4 \
