@@ -182,6 +182,10 @@ void RobotThreads::take_base(hal::TimeNs now) {
   if (!base_.state().read_newer(seen_state_, state) || state.packets == seen_packets_) return;
   seen_packets_ = state.packets;
   navigator_.on_base(senses_.feel(state), now);
+  if (state.battery_level != hal::kobuki::BatteryLevel::healthy && !is_sent_home_) {
+    is_sent_home_ = true;
+    navigator_.command(MissionEvent::battery_low);
+  }
 }
 
 void RobotThreads::step(hal::TimeNs now) {

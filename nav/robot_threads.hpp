@@ -153,6 +153,7 @@ class RobotThreads {
   std::uint64_t pool_full_frames_ = 0, refused_blocks_ = 0, lost_poses_ = 0;
   // The navigator thread's
   std::uint64_t seen_state_ = 0, seen_packets_ = 0;
+  bool is_sent_home_ = false;  // for lack of energy
   double coverage_ = 0.0;
   hal::TimeNs next_coverage_ns_ = 0;
 

@@ -17,17 +17,18 @@ namespace {
 constexpr hal::TimeNs kMs = 1'000'000;
 constexpr hal::TimeNs kPatience_ns = 20'000 * kMs;  // for sanitizers on a busy machine
 
-hal::SimBuildingOptions one_robot(const hal::World& world) {
+hal::SimBuildingOptions one_robot(const hal::World& world, double battery_V) {
   hal::SimBuildingOptions options;
   options.camera = hal::scaled_kinect(48, 36);
   options.robots.resize(1);
+  options.robots[0].base.battery_V = battery_V;
   options.robots[0].T_world_base = hal::choose_starts(world, 1, 1).value()[0];
   return options;
 }
 
 /// A building that moves on whenever somebody at the line or behind the camera looks at it: no thread of its own.
 struct Place final : hal::ByteLine, hal::DepthCamera {
-  explicit Place(const hal::World& world) : options(one_robot(world)), building(world, options) {}
+  Place(const hal::World& world, double battery_V) : options(one_robot(world, battery_V)), building(world, options) {}
 
   [[nodiscard]] std::size_t read(std::span<std::uint8_t> into) override {
     const std::lock_guard lock(mutex);
@@ -74,7 +75,8 @@ struct Place final : hal::ByteLine, hal::DepthCamera {
 };
 
 struct Live {
-  Place place{hal::load_world("two_rooms").value()};
+  explicit Live(double battery_V = 16.0) : place(hal::load_world("two_rooms").value(), battery_V) {}
+  Place place;
   RobotThreads robot{config(place), parts()};
 
   static RobotThreadsConfig config(const Place& place) {
@@ -178,6 +180,17 @@ TEST_CASE("a camera that ends is seen, and what it gave is in the map", "[thread
   CHECK(live.becomes_true([&] { return live.robot.camera_has_ended(); }));
   live.robot.stop();
   CHECK(live.robot.frames().balanced());
+}
+
+TEST_CASE("a robot whose battery is low does not explore, it goes home", "[threads]") {
+  Live live(13.7);
+  live.robot.start();
+  LiveStatus status;
+  CHECK(live.becomes_true([&] {
+    (void)live.robot.status().read(status);
+    return status.state == MissionState::returning || status.state == MissionState::home;
+  }));
+  live.robot.stop();
 }
 
 TEST_CASE("a robot that was never started stops, and one that was stopped is not started again", "[threads]") {
