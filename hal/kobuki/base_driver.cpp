@@ -37,7 +37,9 @@ void BaseDriver::on_feedback(const Feedback& feedback) {
   odometry_.update(feedback);
   battery_.update(feedback);
   trail_.update(odometry_.T_world_base());
-  poses_.add(feedback.received_ns, odometry_.T_world_base());
+  // Packets that were held up come all at once: each tells of a moment before that.
+  const TimeNs age_ns = link_delay_.update(feedback);
+  poses_.add(feedback.received_ns - age_ns, odometry_.T_world_base());
 
   PacketFlags flags;
   flags.bumper = feedback.bumper != 0;
@@ -48,7 +50,7 @@ void BaseDriver::on_feedback(const Feedback& feedback) {
   flags.battery_empty = battery_.level() == BatteryLevel::critical;
   flags.dead_wheel = odometry_.wheel_is_dead() || odometry_.is_stalled();
   flags.wrong_firmware = reader_.info().has_firmware && reader_.info().firmware[0] != kFirmwareMajor;
-  flags.age_ns = link_delay_.update(feedback);
+  flags.age_ns = age_ns;
   note_packet(latches_, flags, feedback.received_ns, options_.times);
   if (flags.wheel_drop) trail_.forget();  // lifted: it may be set down anywhere
 

@@ -27,8 +27,13 @@ std::optional<PlanarPose> PoseHistory::at(TimeNs stamp_ns) const {
     if (back(i).stamp_ns > stamp_ns) continue;
     if (back(i).stamp_ns == stamp_ns) return back(i).T_world_base;
     const bool beyond = i == 0;
-    if (beyond && (size() < 2 || stamp_ns - back(0).stamp_ns > kMaxExtrapolation_ns)) return std::nullopt;
-    const Entry& from = back(beyond ? 1 : i);
+    std::size_t before = i;
+    if (beyond) {
+      // A step of less than a packet's time, and the noise in it would be blown up to metres.
+      for (before = 1; before < size() && back(0).stamp_ns - back(before).stamp_ns < kMinStep_ns;) ++before;
+      if (before >= size() || stamp_ns - back(0).stamp_ns > kMaxExtrapolation_ns) return std::nullopt;
+    }
+    const Entry& from = back(before);
     const Entry& to = back(beyond ? 0 : i - 1);
     if (to.stamp_ns - from.stamp_ns > kMaxGap_ns) return std::nullopt;
     const double part =

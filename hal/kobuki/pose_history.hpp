@@ -18,9 +18,12 @@ class PoseHistory {
   static constexpr TimeNs kMaxGap_ns = 200'000'000;           ///< between two poses that are interpolated
   static constexpr TimeNs kMaxExtrapolation_ns = 40'000'000;  ///< beyond the newest: two packets
 
+  static constexpr TimeNs kMinStep_ns = 10'000'000;  ///< between the two that it goes on from beyond the newest
+
   /// Stamps that are not later than the one before are ignored.
   void add(TimeNs stamp_ns, const PlanarPose& T_world_base);
-  /// Way and heading linear between the two nearest, beyond the newest as between the last two. Nothing if `stamp_ns`
+  /// Way and heading linear between the two nearest, beyond the newest as between it and the
+  /// one at least kMinStep_ns before. Nothing if `stamp_ns`
   /// is before the oldest, too far beyond the newest, or in a gap.
   [[nodiscard]] std::optional<PlanarPose> at(TimeNs stamp_ns) const;
   [[nodiscard]] std::size_t size() const { return count_ < kPoses ? static_cast<std::size_t>(count_) : kPoses; }

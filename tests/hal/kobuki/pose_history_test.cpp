@@ -41,6 +41,20 @@ TEST_CASE("A little beyond the newest it goes on as before; far beyond it is unk
   CHECK_FALSE(history.at((380 + 41) * kMs));
 }
 
+TEST_CASE("Two poses of nearly the same time say nothing about the way beyond") {
+  PoseHistory history;
+  history.add(0, {0.0, 0, 0});
+  history.add(20 * kMs, {0.01, 0, 0});
+  history.add(20 * kMs + 1, {0.02, 0, 0});  // a packet that had been held up
+  const auto beyond = history.at(40 * kMs + 1);
+  REQUIRE(beyond);
+  CHECK(beyond->x_m == Approx(0.04));
+  PoseHistory burst;
+  burst.add(0, {0.0, 0, 0});
+  burst.add(1, {0.01, 0, 0});
+  CHECK_FALSE(burst.at(20 * kMs));
+}
+
 TEST_CASE("Before the oldest it is unknown, and the oldest are forgotten") {
   CHECK_FALSE(straight(20).at(-1));
   CHECK_FALSE(PoseHistory().at(0));
