@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/replay/recorded_odometry.hpp"
 
+#include "hal/kobuki/link_delay.hpp"
 #include "hal/kobuki/packet_reader.hpp"
 
 namespace g3d::hal {
@@ -13,17 +14,16 @@ RecordedOdometry recompute_odometry(const KobukiLog& log, const Pose& T_base_cam
   RecordedOdometry result;
   kobuki::PacketReader reader;
   kobuki::Odometry odometry(start);
+  kobuki::LinkDelay link_delay;
   for (KobukiLog::Cursor records = log.records(); const std::optional<LineRecord> record = records.peek();
        records.advance()) {
-    bool has_moved = false;
     reader.feed(record->bytes, record->t_ns, [&](const kobuki::Feedback& feedback) {
       odometry.update(feedback);
-      has_moved = true;
+      const StampedPose pose{feedback.received_ns - link_delay.update(feedback),
+                             compose(to_pose(odometry.T_world_base()), T_base_camera)};
+      if (!result.poses.empty() && result.poses.back().stamp_ns == pose.stamp_ns) result.poses.pop_back();
+      if (result.poses.empty() || result.poses.back().stamp_ns < pose.stamp_ns) result.poses.push_back(pose);
     });
-    if (!has_moved) continue;
-    const StampedPose pose{record->t_ns, compose(to_pose(odometry.T_world_base()), T_base_camera)};
-    if (!result.poses.empty() && result.poses.back().stamp_ns == pose.stamp_ns) result.poses.pop_back();
-    result.poses.push_back(pose);
   }
   result.T_world_base = odometry.T_world_base();
   result.path_m = odometry.path_m();

@@ -25,7 +25,8 @@ struct RecordedOdometry {
 /// T_world_base of a base on a flat floor as a pose in space.
 [[nodiscard]] Pose to_pose(const PlanarPose& T_world_base);
 
-/// One pose for each time at which packets were complete.
+/// One pose for each packet, at the time at which it was sent, as on the robot: see LinkDelay. Of several at one time
+/// the last.
 [[nodiscard]] RecordedOdometry recompute_odometry(const KobukiLog& log, const Pose& T_base_camera,
                                                   const PlanarPose& start = {});
 
