@@ -3,6 +3,9 @@
 
 #include <catch2/catch.hpp>
 #include <type_traits>
+#include <vector>
+
+#include "tests/support/driver_bench.hpp"
 
 using g3d::hal::PlanarPose;
 using g3d::hal::TimeNs;
@@ -86,4 +89,35 @@ TEST_CASE("In a gap nothing is known, and time does not go backwards") {
   history.add(600 * kMs, {2, 0, 0});
   history.add(10, {3, 0, 0});
   CHECK(history.at(600 * kMs)->x_m == 1.0);
+}
+
+TEST_CASE("Packets that were held up tell of the moments in which they were sent") {
+  g3d::test::DriverBench bench;
+  bench.wish = {0.3, 0.0};
+  bench.steps(120);
+  const double before_m = bench.state().T_world_base.x_m;
+  const TimeNs before_ns = bench.now_ns;
+  std::vector<std::uint8_t> held_up;
+  for (int i = 0; i < 5; ++i) {
+    bench.now_ns += 20 * kMs;
+    bench.next_packet();
+    const auto frame = g3d::tests::frame_of(bench.packet);
+    if (i == 4) {
+      // Before the last of them, the four others; a thread that reads them one by one needs some time for each.
+      for (std::size_t j = 0; j < 4; ++j) {
+        bench.driver.on_bytes(std::span(held_up).subspan(j * frame.size(), frame.size()),
+                              bench.now_ns - static_cast<TimeNs>(4 - j) * 1'000);
+      }
+      bench.driver.on_bytes(frame, bench.now_ns);
+    }
+    held_up.insert(held_up.end(), frame.begin(), frame.end());
+  }
+  bench.tick();
+  const double step_m = (bench.state().T_world_base.x_m - before_m) / 5;
+  CHECK(step_m == Approx(0.006).epsilon(0.05));
+  for (int i = 1; i <= 6; ++i) {  // the sixth lies ahead
+    const auto pose = bench.driver.poses().at(before_ns + i * 20 * kMs);
+    REQUIRE(pose);
+    CHECK(pose->x_m == Approx(before_m + i * step_m).margin(2e-4));
+  }
 }
