@@ -14,7 +14,9 @@ constexpr double kOffPath_m = 0.35;    // farther from the path: another one is 
 constexpr double kSlowest_mps = 0.12;  // on average, until a goal takes too long
 constexpr double kGoalGrace_s = 25.0;
 constexpr double kSpun_rad = 0.05;
-constexpr double kAgain_s = 0.1;  // between decisions when one fails after the other
+constexpr double kAgain_s = 0.1;   // between decisions when one fails after the other,
+constexpr double kInVain_s = 1.0;  // and when that goes on
+constexpr int kCutOff = 3;         // goals in a row without a path: the robot is cut off from where it came from
 
 TimeNs after(TimeNs now, double seconds) { return now + static_cast<TimeNs>(seconds * 1e9); }
 
@@ -121,7 +123,8 @@ void Navigator::decide(TimeNs now) {
 // Before it goes home: is what was closed still closed?
 bool Navigator::look_at_closed_way(TimeNs now) {
   if (is_sent_home_ || mission_.state() != MissionState::exploring) return false;
-  if (!was_reopened_ && decision_.left[LeftReason::unreachable] > 0 && floor_.reopen()) {
+  const bool is_anything_shut = decision_.left[LeftReason::unreachable] + decision_.left[LeftReason::blocked] > 0;
+  if (!was_reopened_ && is_anything_shut && floor_.reopen()) {
     was_reopened_ = true;
     explore_again();
     next_decision_ns_ = now;
@@ -141,14 +144,11 @@ bool Navigator::look_at_closed_way(TimeNs now) {
 }
 
 void Navigator::watch_closed_way(TimeNs now) {
-  if (!ClosedWays::is_closed(checked_, floor_.cost())) {
-    is_checking_ = false;
-    explore_again();
-    next_decision_ns_ = now;
-  } else if (watch_until_ns_ >= 0 && now >= watch_until_ns_) {
-    is_checking_ = false;
-    next_decision_ns_ = now;
-  }
+  const bool is_open = !ClosedWays::is_closed(checked_, floor_.cost());
+  if (!is_open && (watch_until_ns_ < 0 || now < watch_until_ns_)) return;
+  is_checking_ = false;
+  if (is_open) explore_again();
+  next_decision_ns_ = now;
 }
 
 void Navigator::explore_again() {
@@ -185,12 +185,14 @@ bool Navigator::plan(TimeNs now) {
   next_refresh_ns_ = after(now, config_.refresh_period_s);
   ++report_.paths_planned;
   Route route = planner_.plan(floor_.cost(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
-  if (route.status != PathStatus::found && decision_.kind == DecisionKind::go_home) {
+  const bool is_goal = decision_.kind == DecisionKind::goal;
+  if (route.status == PathStatus::found) {
+    goals_in_vain_ = 0;
+  } else if (!is_goal || goals_in_vain_ >= kCutOff) {
     // It came that way: whoever stands there may be gone, and is seen from nearby.
     route = planner_.plan(floor_.cost_of_own_way(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
   }
   if (route.status == PathStatus::found) {
-    const bool is_goal = decision_.kind == DecisionKind::goal;
     follower_.set_path(route.points, is_goal ? std::optional(decision_.goal.heading_rad) : std::nullopt);
     is_on_way_home_ = !is_goal;
     return true;
@@ -210,12 +212,14 @@ void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
   if (!is_checking_) {
     ++report_.goals_failed;
     explorer_->goal_failed(reason);
+    if (reason == GoalFailure::no_path) ++goals_in_vain_;
   }
   is_checking_ = false;
   follower_.clear();
   is_spinning_ = false;
   recovery_.end();
-  next_decision_ns_ = after(now, kAgain_s);
+  // People walk away and maps grow: to try all goals within a second would give them all up for nothing.
+  next_decision_ns_ = after(now, goals_in_vain_ > kCutOff ? kInVain_s : kAgain_s);
 }
 
 // Nothing is left to explore. Home is where it goes, even if the explorer has given that up.
@@ -290,20 +294,17 @@ hal::Twist Navigator::follow(TimeNs now) {
     return follower_.step(base_.T_world_base, base_.velocity, floor_.states(), floor_.cost(), &floor_);
   };
   hal::Twist twist = step_follower();
-  if (follower_.state() == FollowerState::arrived && is_checking_) {
-    follower_.clear();
-    recovery_.reset();
-    progress_.note_got_on(base_.T_world_base, now);
-    watch_until_ns_ = after(now, config_.closed_wait_s);
-    return twist;
-  }
   if (follower_.state() == FollowerState::arrived) {
-    ++report_.goals_reached;
     follower_.clear();
-    explorer_->goal_reached();
     recovery_.reset();
     progress_.note_got_on(base_.T_world_base, now);
-    next_decision_ns_ = now;
+    if (is_checking_) {
+      watch_until_ns_ = after(now, config_.closed_wait_s);
+    } else {
+      ++report_.goals_reached;
+      explorer_->goal_reached();
+      next_decision_ns_ = now;
+    }
     return twist;
   }
   if (follower_.blocked_at_m())

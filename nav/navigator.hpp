@@ -147,6 +147,7 @@ class Navigator {
   TimeNs next_refresh_ns_ = 0;
   TimeNs goal_until_ns_ = 0;
   bool is_hemmed_in_ = false;  ///< as of the last plan
+  int goals_in_vain_ = 0;      ///< failed for want of a path, one after the other
   GoalHistory left_goals_;
   ClosedWays closed_ways_;
   bool is_sent_home_ = false;

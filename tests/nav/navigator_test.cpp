@@ -135,6 +135,19 @@ TEST_CASE("Somebody who stands in the only way home for a while delays it and no
   CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
 }
 
+TEST_CASE("Cut off from where it came from it does not give up its goals, and goes on when the way is free") {
+  World world(two_rooms(), {3.2, 1.8, 0.0}, kTwoRooms);
+  while (world.robot.pose().x_m < 4.4 && world.time_s() < 120) world.step();
+  world.robot.boxes().push_back({3.85, 1.55, 4.1, 2.05});
+  const std::uint64_t failed_before = world.navigator.report().goals_failed;
+  world.run(60);
+  CHECK(world.navigator.report().goals_failed - failed_before < 30);
+  world.robot.boxes().pop_back();
+  REQUIRE(world.reaches(MissionState::home, 400));
+  CHECK(world.robot.contacts() == 0);
+  CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
+}
+
 TEST_CASE("A person's word counts: pause, resume, stop, come home") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   world.run(12);
