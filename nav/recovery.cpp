@@ -31,8 +31,8 @@ void Recovery::start(Trouble trouble, double side, const RecoveryView& view) {
     first_ns_ = view.now_ns;
     first_pose_ = view.T_world_base;
     has_trouble_ = true;
-  } else if (phase_ == RecoveryPhase::idle) {
-    ++attempt_;
+  } else if (phase_ == RecoveryPhase::idle || phase_ == RecoveryPhase::turning) {
+    ++attempt_;  // a turn that ran into something is not begun again
   }
   trouble_ = trouble;
   side_ = side;

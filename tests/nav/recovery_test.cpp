@@ -148,3 +148,24 @@ TEST_CASE("It turns away from the side that was touched") {
     CHECK(body.view.T_world_base.heading_rad * side < -1.0);
   }
 }
+
+TEST_CASE("A turn that presses the bumper again and again is not begun again and again") {
+  Body body;
+  body.view.free_behind_m = 0.0;
+  body.recovery.start(Trouble::contact, 1.0, body.view);
+  int contacts = 1;
+  while (body.time_s() < 60 && body.recovery.phase() != RecoveryPhase::gave_up) {
+    const double turned_rad = body.turned_rad;
+    while (body.recovery.is_active() && body.recovery.phase() != RecoveryPhase::gave_up &&
+           body.turned_rad - turned_rad < 0.5 && body.time_s() < 60) {
+      if (body.recovery.phase() == RecoveryPhase::asking) body.recovery.answer(false, body.view);
+      body.step();
+    }
+    if (body.recovery.phase() == RecoveryPhase::turning) {
+      body.recovery.start(Trouble::contact, contacts++ % 2 == 0 ? 1.0 : -1.0, body.view);
+    }
+  }
+  CHECK(body.recovery.phase() == RecoveryPhase::gave_up);
+  CHECK(contacts <= 4);
+  CHECK(body.time_s() < 20);
+}
