@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -14,12 +12,12 @@
 
 #include "hal/clock.hpp"
 #include "hal/image/file_bytes.hpp"
-#include "hal/replay/decimal.hpp"
 #include "hal/replay/trajectory_file.hpp"
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/observable.hpp"
 #include "hal/sim/sim_building.hpp"
 #include "main_commands.hpp"
+#include "main_robot.hpp"
 #include "main_setup.hpp"
 #include "mapper/block_source.hpp"
 #include "mapper/map_hash.hpp"
@@ -27,7 +25,6 @@
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
 #include "nav/coverage.hpp"
-#include "nav/exploration_picture.hpp"
 #include "nav/exploration_report.hpp"
 #include "nav/outputs.hpp"
 #include "nav/robot.hpp"
@@ -65,105 +62,22 @@ int bad_usage(const std::string& text) {
   return kExitBadUsage;
 }
 
-struct CameraChoice {
-  hal::CameraModel model;
-  double rate_hz = 30.0;
-};
-
-hal::Result<CameraChoice> choose_camera(const board::Board& board, const SimOptions& options) {
-  CameraChoice choice{camera_model(board), options.frame_rate_hz.value_or(board.camera_rate_hz)};
-  if (options.camera.empty()) return choice;
-  const std::string_view text = options.camera;
-  const std::size_t by = text.find('x');
-  const std::size_t at = text.find('@');
-  const auto number = [&](std::size_t from, std::size_t to) {
-    return from <= to && to <= text.size() ? hal::parse_double(text.substr(from, to - from)).value_or(0.0) : 0.0;
-  };
-  const bool has_form = by != std::string_view::npos && at != std::string_view::npos && by < at;
-  const double width = has_form ? number(0, by) : 0.0;
-  const double height = has_form ? number(by + 1, at) : 0.0;
-  const double rate_hz = has_form ? number(at + 1, text.size()) : 0.0;
-  const auto is_size = [](double px) { return px >= 16 && px <= hal::kMaxImageSide_px && px == std::floor(px); };
-  if (!is_size(width) || !is_size(height) || !(rate_hz >= 0.5 && rate_hz <= 240.0)) {
-    return hal::Error{hal::Reason::bad_usage,
-                      fmt::format("--camera '{}': not WIDTHxHEIGHT@HZ with 16 to {} pixels and 0.5 to 240 Hz, such as "
-                                  "160x120@10",
-                                  options.camera, hal::kMaxImageSide_px)};
+/// What is said of a flight or of mapping and would be ignored here; empty: nothing.
+std::string contradiction(const SimOptions& options) {
+  const MappingOptions& mapping = options.mapping;
+  if (options.camera_path != "builtin") return "--robots and --camera-path: give one of them";
+  if (options.laps != 1) return "--laps is for a camera path, not for --robots";
+  if (!options.camera.empty() && options.frame_rate_hz)
+    return "--camera and --fps both give the rate: give one of them";
+  if (mapping.mode && *mapping.mode == "static") {
+    return "--mode static knows no free space, so no robot can drive by it; leave it out";
   }
-  choice.model = hal::scaled_kinect(static_cast<int>(width), static_cast<int>(height));
-  choice.rate_hz = rate_hz;
-  return choice;
-}
-
-hal::Result<void> set_area(const std::string& text, nav::ExplorerConfig& explorer) {
-  if (text.empty()) return {};
-  std::array<double, 4> corner{};
-  std::size_t from = 0;
-  std::size_t count = 0;
-  for (; count < 4 && from <= text.size(); ++count) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    const auto number = hal::parse_double(std::string_view(text).substr(from, comma - from));
-    if (!number) break;
-    corner[count] = *number;
-    from = comma + 1;
+  if (mapping.window_m || mapping.checkpoint_s > 0.0) {
+    return "--window and --checkpoint do not go with --robots yet; leave them out";
   }
-  if (count != 4 || from <= text.size() || corner[0] >= corner[2] || corner[1] >= corner[3]) {
-    return hal::Error{hal::Reason::bad_usage,
-                      fmt::format("--area '{}': not X0,Y0,X1,Y1 in metres with X0 < X1 and Y0 < Y1", text)};
-  }
-  explorer.area_min_x_m = corner[0];
-  explorer.area_min_y_m = corner[1];
-  explorer.area_max_x_m = corner[2];
-  explorer.area_max_y_m = corner[3];
+  if (!mapping.mask_path.empty()) return "--mask does not go with --robots yet; leave it out";
+  if (!mapping.footprint.empty()) return "--footprint: robots take their own from the board; leave it out";
   return {};
-}
-
-nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& options, const CameraChoice& camera,
-                              const hal::PlanarPose& T_world_start) {
-  nav::RobotConfig config;
-  config.mapper = mapper_config(board, options);
-  config.camera = camera.model;
-  config.T_base_camera = mount_pose(board);
-  config.T_world_start = T_world_start;
-  config.robot_height_m = board.robot_height_m;
-  nav::NavigatorConfig& navigator = config.navigator;
-  navigator.ground.centre_x_m = T_world_start.x_m;
-  navigator.ground.centre_y_m = T_world_start.y_m;
-  navigator.ground.heights.body_height_m = board.robot_height_m;
-  navigator.ground.speckle_level = static_cast<std::uint8_t>(mapper::kUnknownLevel + board.map_hit);
-  navigator.ground.max_slots = config.mapper.capacity.blocks;
-  navigator.explorer.body_radius_m = board.robot_radius_m;
-  navigator.explorer.camera_forward_m = board.mount_x_m;
-  navigator.explorer.near_m = board.map_near_m;
-  navigator.explorer.far_m = board.map_far_m;
-  navigator.explorer.view_rad = 2.0 * std::atan(0.5 * camera.model.width_px / static_cast<double>(camera.model.fx_px));
-  navigator.follower.limits.body_radius_m = board.robot_radius_m;
-  navigator.near_watch.body_radius_m = board.robot_radius_m;
-  navigator.near_watch.forward_m = board.mount_x_m;
-  navigator.near_watch.near_m = board.map_near_m;
-  return config;
-}
-
-/// Counts and names of what kept the base from moving, in the order of the safety table.
-std::vector<std::pair<std::string, std::uint64_t>> safety_stops(const hal::kobuki::BaseState& base) {
-  std::vector<std::pair<std::string, std::uint64_t>> stops;
-  for (std::size_t i = 0; i < hal::kConditionCount; ++i) {
-    stops.emplace_back(hal::to_string(static_cast<hal::Condition>(i)), base.began[i]);
-  }
-  return stops;
-}
-
-/// exploration.png: the way, what is left, and the coverage.
-hal::Result<mapper::WrittenFile> write_picture(const nav::ExplorationReport& explored, const nav::Navigator& navigator,
-                                               std::span<const hal::Pose> poses, const std::string& world_name,
-                                               const std::string& path) {
-  const std::string name = std::filesystem::path(world_name).stem().string();
-  const auto bytes = nav::write_exploration_picture(
-      {&navigator.ground().states(), navigator.frontier_cells(), poses, navigator.home(), explored.mission->coverage(),
-       explored.time_s, nav::exploration_title(name, explored)},
-      path);
-  if (!bytes) return bytes.error();
-  return mapper::WrittenFile{path, "way, frontiers and coverage", bytes.value()};
 }
 
 /// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
@@ -235,7 +149,7 @@ class Exploration {
                nav::name_of(robot_.navigator().mission().state()));
   }
 
-  static constexpr hal::TimeNs kStep_ns = 2'000'000;  // of the building
+  static inline const hal::TimeNs kStep_ns = hal::SimBuildingOptions{}.step_ns;
   hal::SimBuilding& building_;
   nav::Robot& robot_;
   nav::CoverageMeter& coverage_;
@@ -259,19 +173,12 @@ class Exploration {
 
 int run_explore(const SimOptions& options, const std::string& command_line) {
   const MappingOptions& mapping = options.mapping;
-  if (options.camera_path != "builtin") return bad_usage("--robots and --camera-path: give one of them");
-  if (options.laps != 1) return bad_usage("--laps is for a camera path, not for --robots");
+  if (const std::string problem = contradiction(options); !problem.empty()) return bad_usage(problem);
   if (mapping.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
-  if (mapping.mode && *mapping.mode == "static") {
-    return bad_usage("--mode static knows no free space, so no robot can drive by it; leave it out");
-  }
-  if (mapping.window_m || mapping.checkpoint_s > 0.0) {
-    return bad_usage("--window and --checkpoint do not go with --robots yet; leave them out");
-  }
   const auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
-  const auto camera = choose_camera(board, options);
+  const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
   auto world = hal::load_world(world_name);
@@ -281,7 +188,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto observable = hal::find_observable(world.value(), starts.value());
   if (!observable) return fail(observable.error().text);
 
-  nav::RobotConfig config = robot_config(board, mapping, camera.value(), starts.value()[0]);
+  nav::RobotConfig config = robot_config(board, mapping, camera.value().model, starts.value()[0]);
   if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
   if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
   std::error_code code;
@@ -311,7 +218,8 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   nav::CoverageMeter coverage(observable.value());
   catch_stop_signals();
   const double limit_s = options.duration_s > 0.0 ? options.duration_s : kLongest_s;
-  Exploration exploration(building, robot, coverage, trajectory.value(), camera.value().rate_hz, limit_s, mapping.rate);
+  const double rate_hz = options.frame_rate_hz.value_or(camera.value().rate_hz);
+  Exploration exploration(building, robot, coverage, trajectory.value(), rate_hz, limit_s, mapping.rate);
   const hal::TimeNs start_ns = clock.now();
   exploration.run(!mapping.quiet);
   const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
@@ -335,7 +243,8 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   explored.outside = nav::outside_view(building.record(0));
   explored.safety_stops = safety_stops(robot.base());
   const auto drawn =
-      write_picture(explored, robot.navigator(), exploration.poses(), world_name, mapping.out_dir + "/exploration.png");
+      write_picture(explored, robot.navigator(), exploration.poses(), std::filesystem::path(world_name).stem().string(),
+                    mapping.out_dir + "/exploration.png");
   if (drawn) outputs.files.push_back(drawn.value());
   if (!drawn) failures.push_back(drawn.error());
   mapper::RunReport report;

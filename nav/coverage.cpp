@@ -17,21 +17,11 @@ bool has_obstacle_around(const CellGrid<CellState>& ground, Cell c) {
 }  // namespace
 
 double CoverageMeter::fraction(const CellGrid<CellState>& ground) const {
-  const hal::PlanFrame& frame = observable_->frame;
-  std::size_t known = 0;
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column) {
-      const hal::SeenCell seen = observable_->cells[frame.index(column, row)];
-      if (seen == hal::SeenCell::not_observable) continue;
-      const Cell c = ground.cell_of(frame.x_m(column), frame.y_m(row));
-      if (!ground.contains(c)) continue;
-      const bool is_known =
-          seen == hal::SeenCell::free ? ground.at(c) != CellState::unknown : has_obstacle_around(ground, c);
-      known += is_known ? 1 : 0;
-    }
-  }
-  const std::size_t all = observable_->count();
-  return all == 0 ? 1.0 : static_cast<double>(known) / static_cast<double>(all);
+  return hal::coverage(*observable_, [&](double x_m, double y_m, hal::SeenCell seen) {
+    const Cell c = ground.cell_of(x_m, y_m);
+    if (!ground.contains(c)) return false;
+    return seen == hal::SeenCell::free ? ground.at(c) != CellState::unknown : has_obstacle_around(ground, c);
+  });
 }
 
 }  // namespace g3d::nav

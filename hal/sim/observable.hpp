@@ -46,14 +46,16 @@ struct Observable {
 [[nodiscard]] Result<Observable> find_observable(const World& world, std::span<const PlanarPose> starts,
                                                  const ObservableOptions& options = {});
 
-/// The share of what is observable that is_known(x_m, y_m), asked for the middle of each such cell; 1 if nothing is.
+/// The share of what is observable that is_known(x_m, y_m, SeenCell), asked for the middle of each such cell; 1 if
+/// nothing is.
 template <typename IsKnown>
 [[nodiscard]] double coverage(const Observable& observable, const IsKnown& is_known) {
   std::size_t known = 0;
   for (int row = 0; row < observable.frame.rows; ++row) {
     for (int column = 0; column < observable.frame.columns; ++column) {
-      if (observable.cells[observable.frame.index(column, row)] == SeenCell::not_observable) continue;
-      known += is_known(observable.frame.x_m(column), observable.frame.y_m(row)) ? 1 : 0;
+      const SeenCell seen = observable.cells[observable.frame.index(column, row)];
+      if (seen == SeenCell::not_observable) continue;
+      known += is_known(observable.frame.x_m(column), observable.frame.y_m(row), seen) ? 1 : 0;
     }
   }
   return observable.count() == 0 ? 1.0 : static_cast<double>(known) / static_cast<double>(observable.count());

@@ -20,6 +20,7 @@
 #include "hal/sim/observable.hpp"
 #include "hal/sim/sim_building.hpp"
 #include "mapper/mapper.hpp"
+#include "nav/coverage.hpp"
 #include "nav/ground_map.hpp"
 
 using namespace g3d;
@@ -103,10 +104,7 @@ void measure_truth(const std::string& name, const hal::World& world, const hal::
       }
     }
   }
-  const double known = hal::coverage(truth, [&](double x_m, double y_m) {
-    const nav::Cell cell = ground.states().cell_of(x_m, y_m);
-    return ground.states().contains(cell) && ground.states().at(cell) != nav::CellState::unknown;
-  });
+  const double known = nav::CoverageMeter(truth).fraction(ground.states());
   fmt::print("{:14} {:6} frames, {} free and {} wall cells observable: {:.2f} % of them known\n", name, frames,
              truth.free_count, truth.wall_count, 100.0 * known);
 }

@@ -173,6 +173,12 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
       {{"--robots", "1", "--laps", "2"}, "--laps"},
       {{"--robots", "1", "--mode", "static"}, "free space"},
       {{"--robots", "1", "--window", "5"}, "--window"},
+      {{"--robots", "1", "--mask", "mask.png"}, "--mask"},
+      {{"--robots", "1", "--footprint", "board"}, "--footprint"},
+      {{"--robots", "1", "--camera", "160x120@10", "--fps", "5"}, "--fps"},
+      {{"--area", "0,0,1,1"}, "--robots 1"},
+      {{"--drift", "1"}, "--robots 1"},
+      {{"--camera", "160x120@10"}, "--robots 1"},
   };
   const TempFolder folder;
   for (const auto& [extra, named] : cases) {

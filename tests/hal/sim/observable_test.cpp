@@ -90,8 +90,8 @@ TEST_CASE("people are left out, a hole has no free cells") {
 
 TEST_CASE("coverage is the known share of what is observable") {
   const Truth truth(kRoom);
-  CHECK(coverage(truth.all, [](double, double) { return true; }) == 1.0);
-  CHECK(coverage(truth.all, [](double, double) { return false; }) == 0.0);
-  CHECK(coverage(truth.all, [](double x_m, double) { return x_m < 0.0; }) == Approx(0.5).margin(0.001));
-  CHECK(coverage(Truth("room 0 0 0  0.5 0.5 2.5 0.1\n").all, [](double, double) { return false; }) == 1.0);
+  CHECK(coverage(truth.all, [](double, double, SeenCell) { return true; }) == 1.0);
+  CHECK(coverage(truth.all, [](double, double, SeenCell) { return false; }) == 0.0);
+  CHECK(coverage(truth.all, [](double x_m, double, SeenCell) { return x_m < 0.0; }) == Approx(0.5).margin(0.001));
+  CHECK(coverage(Truth("room 0 0 0  0.5 0.5 2.5 0.1\n").all, [](double, double, SeenCell) { return false; }) == 1.0);
 }
