@@ -90,10 +90,11 @@ Result<UsbSerialDevice> find_usb_serial(const UsbSerialMatch& match, const std::
   const std::string folder = sys_root + "/bus/usb-serial/devices";
   std::vector<UsbSerialDevice> seen, fitting;
   for (const std::string& name : entries(folder)) {
-    auto device = describe(folder + "/" + name);
+    const std::string entry = fmt::format("{}/{}", folder, name);
+    auto device = describe(entry);
     if (!device) continue;
-    device->path = dev_root + "/" + name;
-    if (const auto latency = read_line(folder + "/" + name + "/latency_timer")) {
+    device->path = fmt::format("{}/{}", dev_root, name);
+    if (const auto latency = read_line(entry + "/latency_timer")) {
       int value_ms = -1;
       const auto [end, error] = std::from_chars(latency->data(), latency->data() + latency->size(), value_ms);
       if (error == std::errc{} && end == latency->data() + latency->size()) device->latency_timer_ms = value_ms;

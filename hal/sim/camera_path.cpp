@@ -53,7 +53,7 @@ Pose camera_pose(const std::array<double, 3>& eye_m, double yaw_deg, double pitc
   return {eye_m, multiply(turn, kBodyToOptical)};
 }
 
-CameraPath::CameraPath(std::vector<PathWaypoint> waypoints) {
+CameraPath::CameraPath(const std::vector<PathWaypoint>& waypoints) {
   assert(!waypoints.empty());
   knots_.reserve(waypoints.size());
   for (const PathWaypoint& w : waypoints) {

@@ -29,7 +29,7 @@ struct PathWaypoint {
 class CameraPath {
  public:
   /// At least one waypoint, ascending t_s.
-  explicit CameraPath(std::vector<PathWaypoint> waypoints);
+  explicit CameraPath(const std::vector<PathWaypoint>& waypoints);
 
   [[nodiscard]] TimeNs begin_ns() const;
   [[nodiscard]] TimeNs end_ns() const;

@@ -2,6 +2,7 @@
 #include "hal/sim/kinect_noise.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace g3d::hal {
 namespace {
@@ -97,7 +98,7 @@ void KinectNoise::apply_row(const ExactView& exact, std::uint64_t frame_key, std
     }
     const float from_m = z - model_.sigma_from_m;
     z += gaussian(bits) * (model_.sigma_0_m + model_.sigma_2_perm * from_m * from_m);
-    const auto step = static_cast<std::size_t>(step_m / std::max(z, 0.1F) + 0.5F);
+    const auto step = static_cast<std::size_t>(std::floor(step_m / std::max(z, 0.1F) + 0.5F));
     depth[pixel] = raw_of_step_[std::min(step, kDisparitySteps - 1)];
   }
 }

@@ -55,10 +55,10 @@ std::optional<PlanarPose> widest_start(const GridWalls& walls, const std::vector
   }
   if (widest == 0) return std::nullopt;
   const double cell_m = walls.cell_m();
-  return PlanarPose{
-      double{walls.origin_m()[0]} + (static_cast<double>(best_cell % static_cast<std::size_t>(width)) + 0.5) * cell_m,
-      double{walls.origin_m()[1]} + (static_cast<double>(best_cell / static_cast<std::size_t>(width)) + 0.5) * cell_m,
-      0.0};
+  const std::size_t column = best_cell % static_cast<std::size_t>(width);
+  const std::size_t row = best_cell / static_cast<std::size_t>(width);
+  return PlanarPose{double{walls.origin_m()[0]} + (static_cast<double>(column) + 0.5) * cell_m,
+                    double{walls.origin_m()[1]} + (static_cast<double>(row) + 0.5) * cell_m, 0.0};
 }
 
 }  // namespace g3d::hal

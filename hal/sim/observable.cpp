@@ -30,8 +30,8 @@ struct RayCell {
 };
 
 struct BeamStep {
-  std::array<std::int8_t, kBeams> slice{};  ///< in which the beam is here; kSlices and more: above all
-  std::uint32_t above_floor = 0;            ///< beams that have not met the floor
+  std::array<std::int16_t, kBeams> slice{};  ///< in which the beam is here; kSlices and more: above all
+  std::uint32_t above_floor = 0;             ///< beams that have not met the floor
   std::uint32_t in_band = 0;
   bool in_range = false;
 };
@@ -121,7 +121,7 @@ std::vector<std::vector<RayCell>> make_rays(const ObservableOptions& options) {
       if (dx == 0 && dy == 0) continue;
       if (!ray.empty() && ray.back().dx == dx && ray.back().dy == dy) continue;
       const double cells = std::sqrt(static_cast<double>(dx) * dx + static_cast<double>(dy) * dy);
-      ray.push_back({dx, dy, static_cast<std::int16_t>(cells + 0.5)});
+      ray.push_back({dx, dy, static_cast<std::int16_t>(std::floor(cells + 0.5))});
     }
     rays.push_back(std::move(ray));
   }
@@ -142,7 +142,7 @@ std::vector<BeamStep> make_steps(const ObservableOptions& options) {
       const double slope = beam_slope(options, b);
       const double z_m = options.camera_height_m + d_m * slope;
       steps[n].slice[static_cast<std::size_t>(b)] =
-          static_cast<std::int8_t>(std::clamp(static_cast<int>(std::floor(z_m / kSlice_m)), -1, kSlices));
+          static_cast<std::int16_t>(std::clamp(static_cast<int>(std::floor(z_m / kSlice_m)), -1, kSlices));
       if (z_m > 0.0) steps[n].above_floor |= 1U << b;
       if (z_m > options.band.low_m && z_m < options.band.high_m) steps[n].in_band |= 1U << b;
     }

@@ -232,7 +232,7 @@ void RayCaster::for_pixels(const Tile& tile, const Visit& visit) const {
   const int rows = std::min(kTileSide_px, camera_.height_px - first_v);
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      visit(static_cast<std::size_t>(j * kTileSide_px + i),
+      visit(static_cast<std::size_t>(j) * kTileSide_px + static_cast<std::size_t>(i),
             static_cast<std::size_t>(first_v + j) * static_cast<std::size_t>(camera_.width_px) +
                 static_cast<std::size_t>(first_u + i));
     }
