@@ -230,6 +230,8 @@ void Explorer::State::turn_home() {
 Explorer::Explorer(const ExplorerConfig& config) : state_(std::make_unique<State>(config)) {}
 Explorer::~Explorer() = default;
 
+std::unique_ptr<GoalChooser> make_explorer(const ExplorerConfig& config) { return std::make_unique<Explorer>(config); }
+
 Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
                           std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base, TimeNs now) {
   State& s = *state_;
