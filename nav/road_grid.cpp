@@ -63,6 +63,8 @@ void RoadGrid::size_field(TravelField& field) const {
   field.leaves_by.assign(size(), 0);
   field.reached.clear();
   field.reached.reserve(size());
+  field.touched.clear();
+  field.touched.reserve(size());
 }
 
 /// The nearest open road cell, lowest index first, and tenths of a step to it. `from` itself if there is none near.
@@ -85,35 +87,57 @@ std::int32_t RoadGrid::way_out(std::uint32_t from, std::uint32_t& exit) const {
 }
 
 void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
-  for (const std::uint32_t i : out.reached) out.distance[i] = TravelField::kNever;
+  begin_travel(from, limit, out);
+  WorkBudget budget = WorkBudget::unlimited();
+  (void)go_on(out, budget);
+}
+
+void RoadGrid::begin_travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
+  for (const std::uint32_t i : out.touched) out.distance[i] = TravelField::kNever;
+  for (auto& bucket : buckets_) bucket.clear();
   out.reached.clear();
-  const std::int32_t leave = static_cast<std::int32_t>(kLeave_m / step_m_ * 10);
+  out.touched.clear();
   out.distance[from] = 0;
   out.came_from[from] = from;
   out.leaves_by[from] = from;
+  out.touched.push_back(from);
   std::uint32_t seed = from;
-  std::int32_t begin = 0;
+  begin_ = 0;
   if (!is_open(from)) {
-    begin = way_out(from, seed);
-    if (seed != from) out.reached.push_back(from);
-    out.distance[seed] = begin;
+    begin_ = way_out(from, seed);
+    if (seed != from) {
+      out.reached.push_back(from);
+      out.touched.push_back(seed);
+    }
+    out.distance[seed] = begin_;
     out.came_from[seed] = from;
     out.leaves_by[seed] = seed;
   }
-  buckets_[static_cast<std::size_t>(begin) % kBuckets].push_back(seed);
-  std::size_t waiting = 1;
+  buckets_[static_cast<std::size_t>(begin_) % kBuckets].push_back(seed);
+  waiting_ = 1;
+  from_ = from;
+  limit_ = limit;
+  bucket_distance_ = begin_;
+  bucket_next_ = 0;
+}
+
+bool RoadGrid::go_on(TravelField& out, WorkBudget& budget) {
+  const std::int32_t leave = static_cast<std::int32_t>(kLeave_m / step_m_ * 10);
   // Dial 1969: lengths of steps are small integers, so that a ring of buckets replaces a heap.
-  for (std::int32_t d = begin; waiting != 0; ++d) {
+  for (; waiting_ != 0; ++bucket_distance_, bucket_next_ = 0) {
+    const std::int32_t d = bucket_distance_;
     auto& bucket = buckets_[static_cast<std::size_t>(d) % kBuckets];
-    for (std::size_t k = 0; k < bucket.size(); ++k) {
-      const std::uint32_t at = bucket[k];
-      --waiting;
+    while (bucket_next_ < bucket.size()) {
+      if (budget.is_spent()) return false;
+      budget.spend(1);
+      const std::uint32_t at = bucket[bucket_next_++];
+      --waiting_;
       if (out.distance[at] != d) continue;
-      if (d > limit) {
+      if (d > limit_) {
         out.distance[at] = TravelField::kNever;
         continue;
       }
-      if (at != from || begin == 0) out.reached.push_back(at);
+      if (at != from_ || begin_ == 0) out.reached.push_back(at);
       const int x = static_cast<int>(at) % columns_;
       const int y = static_cast<int>(at) / columns_;
       for (int n = 0; n < 8; ++n) {
@@ -123,15 +147,17 @@ void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) 
         const std::uint32_t to = static_cast<std::uint32_t>(ny * columns_ + nx);
         const std::int32_t there = d + kLength[n];
         if (!is_open(to) || out.distance[to] <= there) continue;
+        if (out.distance[to] == TravelField::kNever) out.touched.push_back(to);
         out.distance[to] = there;
         out.came_from[to] = at;
         out.leaves_by[to] = d < leave ? to : out.leaves_by[at];
         buckets_[static_cast<std::size_t>(there) % kBuckets].push_back(to);
-        ++waiting;
+        ++waiting_;
       }
     }
     bucket.clear();
   }
+  return true;
 }
 
 double RoadGrid::bearing(std::uint32_t from, std::uint32_t to) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "nav/cell_grid.hpp"
+#include "nav/work_budget.hpp"
 
 namespace g3d::nav {
 
@@ -20,6 +21,7 @@ struct TravelField {
   std::vector<std::uint32_t> came_from;  ///< the road cell before
   std::vector<std::uint32_t> leaves_by;  ///< a road cell about half a metre from the start on the way there
   std::vector<std::uint32_t> reached;    ///< in order of distance
+  std::vector<std::uint32_t> touched;    ///< all that were given a distance; after a limited search some have none now
 };
 
 class RoadGrid {
@@ -44,6 +46,9 @@ class RoadGrid {
   /// Dijkstra from `from`, up to `limit` tenths. A robot that stands too near to something, on closed ground, leaves it
   /// to the nearest open road cell. Reuses the field's memory.
   void travel(std::uint32_t from, std::int32_t limit, TravelField& out);
+  /// The same in pieces: go_on() until it says true. One search at a time; a new begin drops the one before.
+  void begin_travel(std::uint32_t from, std::int32_t limit, TravelField& out);
+  [[nodiscard]] bool go_on(TravelField& out, WorkBudget& budget);
   /// Headings at the start and at the end of the way to `to`.
   [[nodiscard]] double leave_heading(const TravelField& field, std::uint32_t from, std::uint32_t to) const;
   [[nodiscard]] double arrive_heading(const TravelField& field, std::uint32_t to) const;
@@ -58,7 +63,14 @@ class RoadGrid {
   double step_m_ = 0.05;
   std::vector<std::uint8_t> may_stand_;  ///< per map cell
   std::vector<std::uint16_t> standing_;  ///< map cells in it where the body may stand
+  // Of the search that is under way.
   std::vector<std::vector<std::uint32_t>> buckets_;
+  std::uint32_t from_ = 0;
+  std::int32_t begin_ = 0;
+  std::int32_t limit_ = 0;
+  std::int32_t bucket_distance_ = 0;
+  std::size_t bucket_next_ = 0;
+  std::size_t waiting_ = 0;
 };
 
 }  // namespace g3d::nav

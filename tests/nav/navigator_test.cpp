@@ -91,8 +91,10 @@ class ListChooser final : public nav::GoalChooser {
     int failed = 0;
   };
   ListChooser(std::vector<hal::PlanarPose> goals, Told& told) : goals_(std::move(goals)), told_(told) {}
-  nav::Decision decide(const nav::CellGrid<nav::CellState>&, const nav::CellGrid<std::uint8_t>&,
-                       std::span<const std::uint32_t>, const hal::PlanarPose&, hal::TimeNs) override {
+  void prepare(const nav::CellGrid<nav::CellState>&, const nav::CellGrid<std::uint8_t>&) override {}
+  std::optional<nav::Decision> decide(const nav::CellGrid<nav::CellState>&, const nav::CellGrid<std::uint8_t>&,
+                                      std::span<const std::uint32_t>, const hal::PlanarPose&, hal::TimeNs) override {
+    if (++thinking_ % 10 != 0) return std::nullopt;
     nav::Decision d;
     if (next_ < goals_.size()) {
       d.kind = nav::DecisionKind::goal;
@@ -107,6 +109,7 @@ class ListChooser final : public nav::GoalChooser {
   void goal_failed(nav::GoalFailure) override { ++next_, ++told_.failed; }
   void set_home(const hal::PlanarPose& home) override { home_ = home; }
   void set_energy_left(double) override {}
+  void start_again(const nav::CellGrid<nav::CellState>&) override {}
   void return_home() override { next_ = goals_.size(); }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
@@ -114,6 +117,7 @@ class ListChooser final : public nav::GoalChooser {
   std::vector<hal::PlanarPose> goals_;
   Told& told_;
   std::size_t next_ = 0;
+  int thinking_ = 0;  ///< it takes ten steps to decide
   hal::PlanarPose home_;
 };
 
