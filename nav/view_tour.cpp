@@ -146,9 +146,12 @@ double ViewTour::seconds_to(const RoadGrid& roads, const TravelField& field, con
 
 void ViewTour::measure(RoadGrid& roads, const TravelField& from_robot, const hal::PlanarPose& robot) {
   const std::size_t n = views_.size() + 1;
+  std::int32_t farthest = 0;
+  for (const View& view : views_) farthest = std::max(farthest, from_robot.distance[view.road]);
   for (std::size_t i = 0; i < n; ++i) {
     const TravelField& field = i == 0 ? from_robot : field_;
-    if (i > 0) roads.travel(views_[i - 1].road, TravelField::kNever - 100, field_);
+    // No view is farther than by way of the robot: in a large building that spares most of it.
+    if (i > 0) roads.travel(views_[i - 1].road, from_robot.distance[views_[i - 1].road] + farthest, field_);
     const std::uint32_t road = i == 0 ? from_robot.reached.front() : views_[i - 1].road;
     const hal::PlanarPose pose = i == 0 ? robot : hal::PlanarPose{0, 0, views_[i - 1].heading_rad};
     for (std::size_t j = 1; j < n; ++j) {
