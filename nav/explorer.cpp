@@ -8,6 +8,7 @@
 
 #include "nav/explain.hpp"
 #include "nav/frontier.hpp"
+#include "nav/glances.hpp"
 #include "nav/road_grid.hpp"
 #include "nav/set_aside.hpp"
 #include "nav/view_gain.hpp"
@@ -25,6 +26,7 @@ constexpr TimeNs kKeepPlan_ns = 10'000'000'000;
 constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at before poorer ones
 constexpr double kGainPerDrive_cellps = 0.3;          ///< cells of 5 cm that a second of driving must show at least
 constexpr double kTurnAround_rad = 6.283185307179586;
+constexpr int kGlancesPerLook = 2;  ///< so many glances on the way in vain count like one look of its own
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
 constexpr double kPatienceFactor = 4.0;
@@ -69,6 +71,7 @@ struct Explorer::State {
   Targets targets;
   ViewTour tour;
   SetAside aside;
+  Glances glances;
   TravelField from_robot;
   Explanation explanation;
   PanoramaGain panorama;
@@ -103,6 +106,7 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   places.reset(ground, roads);
   targets.reset(columns, rows);
   aside.reset(targets.size(), config.max_tries, config.set_aside_s);
+  glances.reset(targets);
   for (std::uint32_t i = 0; i < ground.cells.size(); ++i) {
     const Cell c = ground.cell(i);
     if (!in_area(ground.centre_x_m(c), ground.centre_y_m(c))) aside.exclude(targets.of_cell(i));
@@ -141,16 +145,19 @@ bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
-/// It stood there and looked: what it was promised to see and did not, it will not see from there.
+/// It stood there and looked: what it was promised to see and did not, it will not see from there, and hardly from
+/// elsewhere if it was glanced at from several places before.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
   const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
-  const int weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
+  const int least_weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
   camera->look(ground, goal.cell, panorama);
   for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
     const RayGain& ray =
         panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
     if (ray.entry != RayGain::kNothing) {
-      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now, weight);
+      const std::uint32_t target = targets.of_cell(ray.entry);
+      const int weight = std::max(least_weight, 1 + glances.count(target) / kGlancesPerLook);
+      aside.target_failed(target, SetAside::Cause::fruitless, now, weight);
     }
   }
 }
@@ -269,6 +276,7 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
   }
 
   s.aside.expire(now);
+  s.glances.look(ground, s.targets, *s.camera, T_world_base, now);
   if (s.goal.active && !s.reached && now > s.goal.deadline) s.failed = true;
   if (s.goal.active && s.reached) s.note_fruitless(ground, now);
   if (s.goal.active && s.failed) s.note_blocked(ground, now);
