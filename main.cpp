@@ -24,7 +24,8 @@ Examples:
   g3dmap sim --out out                                     a flight through the built-in furnished room
   g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
-  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls)";
+  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
+  g3dmap sim --world floor.yaml --crop 0,0,30,20 --robots 1 --out out   a piece of a large one)";
 
 constexpr const char* kRunExamples = R"(
 Examples:
@@ -166,6 +167,8 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_option("--drift", sim.drift, "How wrong the robots' odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   sim_command->add_option("--area", sim.area, "Explore only X0,Y0,X1,Y1 in metres");
+  sim_command->add_option("--crop", sim.crop,
+                          "Take only X0,Y0,X1,Y1 of a map_server map, in metres of the map; the cut is a wall");
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
   add_mapping_options(*sim_command, sim.mapping);
 

@@ -181,8 +181,11 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
-  auto world = hal::load_world(world_name);
-  if (!world) return fail(world.error().text);
+  const auto crop = choose_rectangle("--crop", options.crop);
+  if (!crop) return bad_usage(crop.error().text);
+  auto world = hal::load_world(world_name, crop.value());
+  if (!world)
+    return world.error().reason == hal::Reason::bad_usage ? bad_usage(world.error().text) : fail(world.error().text);
   const auto starts = hal::choose_starts(world.value(), 1, mapping.seed);
   if (!starts) return fail(starts.error().text);
   const auto observable = hal::find_observable(world.value(), starts.value());

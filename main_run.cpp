@@ -311,8 +311,11 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
-  auto world = hal::load_world(world_name);
-  if (!world) return fail(world.error().text);
+  const auto crop = choose_rectangle("--crop", options.crop);
+  if (!crop) return bad_usage(crop.error().text);
+  auto world = hal::load_world(world_name, crop.value());
+  if (!world)
+    return world.error().reason == hal::Reason::bad_usage ? bad_usage(world.error().text) : fail(world.error().text);
   if (options.camera_path == "builtin" && hal::builtin_path(world_name).empty()) {
     fmt::print(stderr, "g3dmap: --world {} is a file, so its drive must be given: --camera-path FILE\n", options.world);
     return kExitBadUsage;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "nav/glances.hpp"
 #include "nav/set_aside.hpp"
 #include "nav/tour_search.hpp"
 
@@ -20,6 +21,7 @@ constexpr TimeNs kKeepPlan_ns = 10'000'000'000;
 constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at before poorer ones
 constexpr double kGainPerDrive_cellps = 0.3;          ///< cells of 5 cm that a second of driving must show at least
 constexpr double kTurnAround_rad = 6.283185307179586;
+constexpr int kGlancesPerLook = 2;  ///< so many glances on the way in vain count like one look of its own
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
 constexpr double kPatienceFactor = 4.0;
@@ -43,7 +45,8 @@ struct Explorer::State {
   [[nodiscard]] bool in_area(double x_m, double y_m) const;
   [[nodiscard]] bool goal_still_pays(const CellGrid<CellState>& ground);
   void note_goal_is_over(const CellGrid<CellState>& ground, TimeNs now);
-  void note_unseen(const CellGrid<CellState>& ground, SetAside::Cause cause, int weight, TimeNs now);
+  void note_fruitless(const CellGrid<CellState>& ground, TimeNs now);
+  void note_blocked(const CellGrid<CellState>& ground, TimeNs now);
   [[nodiscard]] std::optional<Decision> begin_search(const CellGrid<CellState>& ground, const PlanarPose& robot,
                                                      TimeNs now);
   [[nodiscard]] Decision take_tour(const CellGrid<CellState>& ground, const PlanarPose& robot, TimeNs now);
@@ -62,6 +65,7 @@ struct Explorer::State {
   double min_gain_cells = 6.0;
   TourSearch search;
   SetAside aside;
+  Glances glances;
 
   Stage stage = Stage::start;
   bool has_home = false;
@@ -105,6 +109,7 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
 void Explorer::State::reset_aside(const CellGrid<CellState>& ground) {
   const Targets& targets = search.targets();
   aside.reset(targets.size(), config.max_tries, config.set_aside_s);
+  glances.reset(targets);
   if (config.area_max_x_m <= config.area_min_x_m || config.area_max_y_m <= config.area_min_y_m) return;
   for (std::uint32_t i = 0; i < ground.cells.size(); ++i) {
     const Cell c = ground.cell(i);
@@ -132,22 +137,30 @@ bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
-void Explorer::State::note_unseen(const CellGrid<CellState>& ground, SetAside::Cause cause, int weight, TimeNs now) {
+/// It stood there and looked: what it was promised to see and did not, it will not see from there, and hardly from
+/// elsewhere if it was glanced at from several places before.
+void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
+  const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
+  const int least_weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
   for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
-    if (ray.entry != RayGain::kNothing) aside.target_failed(search.targets().of_cell(ray.entry), cause, now, weight);
+    if (ray.entry == RayGain::kNothing) continue;
+    const std::uint32_t target = search.targets().of_cell(ray.entry);
+    const int weight = std::max(least_weight, 1 + glances.count(target) / kGlancesPerLook);
+    aside.target_failed(target, SetAside::Cause::fruitless, now, weight);
+  }
+}
+
+void Explorer::State::note_blocked(const CellGrid<CellState>& ground, TimeNs now) {
+  aside.place_failed(goal.cell, now);
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    if (ray.entry == RayGain::kNothing) continue;
+    aside.target_failed(search.targets().of_cell(ray.entry), SetAside::Cause::blocked, now);
   }
 }
 
 void Explorer::State::note_goal_is_over(const CellGrid<CellState>& ground, TimeNs now) {
-  if (goal.active && reached) {
-    // It stood there and looked: what it was promised to see and did not, it will not see from there.
-    const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
-    note_unseen(ground, SetAside::Cause::fruitless, promised < kRichViews_cells[1] ? config.max_tries : 1, now);
-  }
-  if (goal.active && failed) {
-    aside.place_failed(goal.cell, now);
-    note_unseen(ground, SetAside::Cause::blocked, 1, now);
-  }
+  if (goal.active && reached) note_fruitless(ground, now);
+  if (goal.active && failed) note_blocked(ground, now);
   if (reached || failed) goal.active = false;
   reached = failed = false;
 }
@@ -200,6 +213,7 @@ void Explorer::State::turn_home() {
 std::optional<Decision> Explorer::State::begin_search(const CellGrid<CellState>& ground, const PlanarPose& robot,
                                                       TimeNs now) {
   aside.expire(now);
+  glances.look(ground, search.targets(), search.camera(), robot, now);
   if (goal.active && !reached && now > goal.deadline) failed = true;
   note_goal_is_over(ground, now);
   goal_pays = goal.active && goal_still_pays(ground);

@@ -59,6 +59,7 @@ class TourSearch {
   [[nodiscard]] const FrontierMap& frontiers() const { return frontiers_; }
   [[nodiscard]] const RoadGrid& roads() const { return roads_; }
   [[nodiscard]] const Targets& targets() const { return targets_; }
+  [[nodiscard]] const ViewGain& camera() const { return *camera_; }
   /// What looking along a view shows now, ray by ray.
   [[nodiscard]] std::span<const RayGain> look(const CellGrid<CellState>& ground, Cell at, int first_bearing);
 

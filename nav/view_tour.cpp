@@ -164,12 +164,17 @@ double ViewTour::seconds_to(const RoadGrid& roads, const TravelField& field, con
 
 bool ViewTour::measure(const TourScene& scene, WorkBudget& budget) {
   if (next_ == 0) order_.begin(views_.size(), has_kept_);
+  std::int32_t farthest = 0;
+  for (const View& view : views_) farthest = std::max(farthest, scene.from_robot.distance[view.road]);
   for (; next_ <= views_.size(); ++next_) {
     if (budget.is_spent()) return false;
     const bool is_robot = next_ == 0;
     if (!is_robot) {
       const View& from = views_[next_ - 1];
-      if (is_first_) scene.roads.begin_travel(from.road, TravelField::kNever - 100, field_);
+      // No view is farther than by way of the robot: in a large building that spares most of it.
+      if (is_first_) {
+        scene.roads.begin_travel(from.road, scene.from_robot.distance[from.road] + farthest, field_);
+      }
       is_first_ = false;
       if (!scene.roads.go_on(field_, budget)) return false;
       order_.set_worth(next_, static_cast<double>(from.gain_cells));
