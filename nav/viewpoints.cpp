@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nav/tight_places.hpp"
+
 namespace g3d::nav {
 namespace {
 
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
 constexpr int kLook_units = 250;
+constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
 }  // namespace
 
@@ -145,7 +148,7 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
   const int py = static_cast<int>(place) / place_columns_;
   Cell best;
   std::uint32_t best_road = 0;
-  int best_cost = 256;
+  int best_cost = kNoPlace;
   for (int k = 0; k < kRoadsPerPlace * kRoadsPerPlace; ++k) {
     const int rx = px * kRoadsPerPlace + k % kRoadsPerPlace;
     const int ry = py * kRoadsPerPlace + k / kRoadsPerPlace;
@@ -160,11 +163,11 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
   }
   cast_in_[place] = round_;
   std::uint32_t& slot = slot_of_[place];
-  if (best_cost < 256 && slot == kNoSlot && !free_slots_.empty()) {
+  if (best_cost < kNoPlace && slot == kNoSlot && !free_slots_.empty()) {
     slot = free_slots_.back();
     free_slots_.pop_back();
   }
-  if (best_cost < 256 && slot != kNoSlot) {
+  if (best_cost < kNoPlace && slot != kNoSlot) {
     Place& p = slots_[slot];
     p.cell = best;
     p.road = best_road;
@@ -172,7 +175,7 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
     p.total_cells = 0.0F;
     for (const RayGain& ray : p.gain) p.total_cells += ray.cells;
   }
-  if (slot != kNoSlot && (best_cost == 256 || slots_[slot].total_cells < 0.5F)) {
+  if (slot != kNoSlot && (best_cost == kNoPlace || slots_[slot].total_cells < 0.5F)) {
     free_slots_.push_back(slot);
     slot = kNoSlot;
   }

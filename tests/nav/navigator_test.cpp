@@ -141,6 +141,24 @@ TEST_CASE("It explores two rooms through a narrow door and returns home without 
   CHECK(world.time_s() < 150);
 }
 
+TEST_CASE(
+    "It fits through a door that is 4 cm wider than itself, there and back, and not through one that is narrower") {
+  for (const double width_m : {0.40, 0.35}) {
+    std::vector<Box> boxes = room({0, 0, 8, 4});
+    boxes.push_back({3.9, 0, 4.0, 1.6});
+    boxes.push_back({3.9, 1.6 + width_m, 4.0, 4});
+    World world(boxes, {1.5, 1.5, 0.3}, kTwoRooms);
+    REQUIRE(world.reaches(MissionState::home, 400));
+    CHECK(world.robot.contacts() == 0);
+    const double seen = world.floor.coverage(inside(boxes));
+    if (width_m == 0.40) {
+      CHECK(seen > 0.98);
+    } else {
+      CHECK(seen < 0.9);
+    }
+  }
+}
+
 TEST_CASE("The same drive twice is the same drive") {
   World first(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   World second(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
