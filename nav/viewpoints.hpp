@@ -41,6 +41,10 @@ class Viewpoints {
   static constexpr std::uint32_t kNoSlot = 0xFFFFFFFF;
 
   void mark_sight_of_frontiers(const FrontierMap& frontiers, int reach_tiles);
+  [[nodiscard]] std::size_t tile_at(int tile_x, int tile_y) const {
+    return static_cast<std::size_t>(tile_y) * static_cast<std::size_t>(tile_columns_) +
+           static_cast<std::size_t>(tile_x);
+  }
   [[nodiscard]] std::uint32_t newest_change(int tile_x, int tile_y, int reach_tiles) const;
 
   int columns_ = 0;  ///< of the map
