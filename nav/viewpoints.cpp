@@ -135,7 +135,7 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
 }
 
 bool Viewpoints::is_outdated(std::size_t place, int tile_x, int tile_y) {
-  const std::size_t tile = static_cast<std::size_t>(tile_y * tile_columns_ + tile_x);
+  const std::size_t tile = tile_at(tile_x, tile_y);
   if (newest_round_[tile] != round_) {
     newest_round_[tile] = round_;
     newest_near_[tile] = newest_change(tile_x, tile_y);
