@@ -6,11 +6,15 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "nav/path_centring.hpp"
+
 namespace g3d::nav {
 namespace {
 
 constexpr std::size_t kMaxPathCells = 1U << 16;
 constexpr int kMaxTolerance_cells = 30;
+
+constexpr double kWide_m = 0.25;  // with more to all sides a path may lead where it likes
 
 constexpr double kAway_m = 1.0;
 constexpr int kMostAway_cells = 64;
@@ -89,6 +93,7 @@ Route RoutePlanner::plan(const CellGrid<std::uint8_t>& cost, const hal::PlanarPo
   // What the goal's cell is the centre of is not quite the goal.
   const Cell end = path.cells.back();
   if (end == cost.cell_of(to.x_m, to.y_m) && points_.size() > 1) points_.back() = {to.x_m, to.y_m};
+  centre_path(cost, points_, kWide_m);
   for (std::size_t i = 1; i < points_.size(); ++i) {
     route.length_m += std::hypot(points_[i].x_m - points_[i - 1].x_m, points_[i].y_m - points_[i - 1].y_m);
   }

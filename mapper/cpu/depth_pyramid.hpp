@@ -24,6 +24,8 @@ class DepthPyramid {
   /// Bounds of all ends in columns u0..u1 and rows v0..v1 (inside the image, ends included): possibly a little wider.
   [[nodiscard]] Range range(int u0, int v0, int u1, int v1) const;
 
+  [[nodiscard]] int level_count() const { return static_cast<int>(levels_.size()); }
+
  private:
   struct Level {
     int width = 0;

@@ -9,7 +9,6 @@
 #include "mapper/cpu/projection_tables.hpp"
 
 namespace g3d::mapper::cpu {
-namespace {
 
 float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& tuning) {
   const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
@@ -24,8 +23,6 @@ float smallest_footprint_px(const SensorGeometry& sensor, const FrameGeometry& f
   const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
   return numbers.window_px_m / (far_m + 1.01F * half_brick_m);
 }
-
-}  // namespace
 
 ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
                                  const ProjectiveTuning& tuning) {

@@ -42,8 +42,9 @@ struct World {
   std::uint8_t bumper = 0;
   hal::Verdict verdict{hal::SafetyState::free, hal::free_allowance(), hal::Condition::count_};
 
-  World(const std::vector<Box>& boxes, const hal::PlanarPose& start, const Box& extent)
-      : robot(boxes, start), floor(extent), navigator(floor.map().grid(), config_for(25.6)) {}
+  World(const std::vector<Box>& boxes, const hal::PlanarPose& start, const Box& extent,
+        const nav::NavigatorConfig& config = config_for(25.6))
+      : robot(boxes, start), floor(extent), navigator(floor.map().grid(), config) {}
 
   void step() {
     nav::BaseView view;
@@ -82,6 +83,44 @@ std::vector<Box> two_rooms() {
 }
 constexpr Box kTwoRooms{-0.2, -0.2, 8.2, 4.2};
 
+/// Goals in the order given, each once, then home.
+class ListChooser final : public nav::GoalChooser {
+ public:
+  struct Told {
+    int reached = 0;
+    int failed = 0;
+  };
+  ListChooser(std::vector<hal::PlanarPose> goals, Told& told) : goals_(std::move(goals)), told_(told) {}
+  void prepare(const nav::CellGrid<nav::CellState>&, const nav::CellGrid<std::uint8_t>&) override {}
+  std::optional<nav::Decision> decide(const nav::CellGrid<nav::CellState>&, const nav::CellGrid<std::uint8_t>&,
+                                      std::span<const std::uint32_t>, const hal::PlanarPose&, hal::TimeNs) override {
+    if (++thinking_ % 10 != 0) return std::nullopt;
+    nav::Decision d;
+    if (next_ < goals_.size()) {
+      d.kind = nav::DecisionKind::goal;
+      d.goal = goals_[next_];
+    } else if (next_ == goals_.size()) {
+      d.kind = nav::DecisionKind::go_home;
+      d.goal = home_;
+    }
+    return d;
+  }
+  void goal_reached() override { ++next_, ++told_.reached; }
+  void goal_failed(nav::GoalFailure) override { ++next_, ++told_.failed; }
+  void set_home(const hal::PlanarPose& home) override { home_ = home; }
+  void set_energy_left(double) override {}
+  void start_again(const nav::CellGrid<nav::CellState>&) override {}
+  void return_home() override { next_ = goals_.size(); }
+  [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
+
+ private:
+  std::vector<hal::PlanarPose> goals_;
+  Told& told_;
+  std::size_t next_ = 0;
+  int thinking_ = 0;  ///< it takes ten steps to decide
+  hal::PlanarPose home_;
+};
+
 nav::CellGrid<nav::CellState> inside(const std::vector<Box>& boxes) {
   auto floor = tests::known_floor(boxes, {0, 0, 8, 4});
   return floor;
@@ -100,6 +139,24 @@ TEST_CASE("It explores two rooms through a narrow door and returns home without 
   CHECK(world.navigator.report().goals_reached > 0);
   CHECK(world.navigator.decision().left.open == 0);
   CHECK(world.time_s() < 150);
+}
+
+TEST_CASE(
+    "It fits through a door that is 4 cm wider than itself, there and back, and not through one that is narrower") {
+  for (const double width_m : {0.40, 0.35}) {
+    std::vector<Box> boxes = room({0, 0, 8, 4});
+    boxes.push_back({3.9, 0, 4.0, 1.6});
+    boxes.push_back({3.9, 1.6 + width_m, 4.0, 4});
+    World world(boxes, {1.5, 1.5, 0.3}, kTwoRooms);
+    REQUIRE(world.reaches(MissionState::home, 400));
+    CHECK(world.robot.contacts() == 0);
+    const double seen = world.floor.coverage(inside(boxes));
+    if (width_m == 0.40) {
+      CHECK(seen > 0.98);
+    } else {
+      CHECK(seen < 0.9);
+    }
+  }
 }
 
 TEST_CASE("The same drive twice is the same drive") {
@@ -227,4 +284,21 @@ TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot go
   CHECK(world.navigator.report().stops[static_cast<std::size_t>(nav::StopReason::no_progress)] > 0);
   world.robot.is_stuck = false;
   REQUIRE(world.reaches(MissionState::home, 400));
+}
+
+TEST_CASE("Whoever else chooses the goals drives the same robot, is told what became of them, and is brought home") {
+  ListChooser::Told told;
+  nav::NavigatorConfig config = config_for(25.6);
+  config.make_chooser = [&told](const nav::ExplorerConfig&) {
+    return std::make_unique<ListChooser>(
+        std::vector<hal::PlanarPose>{{3.0, 1.5, 1.57}, {-5.0, 1.5, 0.0}, {2.5, 2.5, -1.57}}, told);
+  };
+  World world(room({0, 0, 8, 4}), {1.5, 1.5, 0.3}, kTwoRooms, config);
+  while (told.reached == 0 && world.time_s() < 60) world.step();
+  CHECK(std::hypot(world.robot.pose().x_m - 3.0, world.robot.pose().y_m - 1.5) < 0.15);
+  CHECK(world.robot.pose().heading_rad == Approx(1.57).margin(0.15));
+  REQUIRE(world.reaches(MissionState::home, 120));
+  CHECK(told.reached == 3);  // home is a goal as well
+  CHECK(told.failed == 1);   // beyond the wall
+  CHECK(world.robot.contacts() == 0);
 }
