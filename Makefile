@@ -171,7 +171,7 @@ house: ## the rules a machine can check: formatting, SPDX lines, include order, 
 	@clang-format --dry-run -Werror $(SOURCES)
 	scripts/check-house
 # A stamp per source: what was clean is looked at again only when it, a header of it or the list of checks changed.
-tidy: $(patsubst %.cpp,build/tidy/%.ok,$(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC)) ## clang-tidy on what changed (slow at first; -j2 -k)
+tidy: $(patsubst %.cpp,build/tidy/%.ok,$(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) $(HELPER_SRC)) ## clang-tidy on what changed (slow at first; -j2 -k)
 build/tidy/%.ok: %.cpp .clang-tidy
 	@mkdir -p $(@D)
 	$(SAY) $@

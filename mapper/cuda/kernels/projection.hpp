@@ -22,7 +22,8 @@ inline G3D_GPU Window choose_window(const FrameParams& f, float z_units) {
     ++level;
   }
   const int smallest = level == 0 ? least(f.smallest_window, kLargestWindow) : 4;
-  return {level, least(most(static_cast<int>(cells + 0.5F), smallest), kLargestWindow)};
+  const int halves = static_cast<int>(2.0F * cells + 1.0F);  // the nearest whole number is half of it
+  return {level, least(most(halves / 2, smallest), kLargestWindow)};
 }
 
 /// A block as the projective test sees it.
