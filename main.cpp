@@ -24,7 +24,8 @@ Examples:
   g3dmap sim --out out                                     a flight through the built-in furnished room
   g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
-  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls)";
+  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
+  g3dmap sim --world floor.yaml --crop 0,0,30,20 --robots 1 --out out   a piece of a large one)";
 
 constexpr const char* kRunExamples = R"(
 Examples:
@@ -60,8 +61,15 @@ Example:
 
 LOG is a recording of a plain wall that fills the view.)";
 
+void add_mapper_option(CLI::App& command, MappingOptions& options) {
+  command.add_option("--mapper", options.mapper, "Where the map is computed; auto: by an NVIDIA card if there is one")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+}
+
 void add_live_options(CLI::App& command, LiveOptions& live) {
   MappingOptions& options = live.mapping;
+  add_mapper_option(command, options);
   command.add_option("--board", options.board_path, "Board file (toml): which base, which camera")->required();
   command.add_option("--out", options.out_dir, "Folder for map, trajectory and report; without it nothing is written");
   command.add_option("--world", live.world, "The simulated building: built-in name, world file or map_server yaml")
@@ -92,9 +100,7 @@ void add_mapping_options(CLI::App& command, MappingOptions& options) {
       ->check(CLI::IsMember({"dda", "bresenham", "projective"}));
   command.add_option("--mode", options.mode, "static keeps occupied voxels only")
       ->check(CLI::IsMember({"static", "dynamic"}));
-  command.add_option("--mapper", options.mapper, "Where the map is computed")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
-      ->capture_default_str();
+  add_mapper_option(command, options);
   command.add_option("--threads", options.threads, "Threads of the mapper; the map is the same for any number")
       ->check(CLI::Range(1, 64));
   command.add_option("--rate", options.rate, "Real time, this many times as fast as recorded; 0: as fast as possible")
@@ -166,6 +172,8 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_option("--drift", sim.drift, "How wrong the robots' odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   sim_command->add_option("--area", sim.area, "Explore only X0,Y0,X1,Y1 in metres");
+  sim_command->add_option("--crop", sim.crop,
+                          "Take only X0,Y0,X1,Y1 of a map_server map, in metres of the map; the cut is a wall");
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
   add_mapping_options(*sim_command, sim.mapping);
 

@@ -53,6 +53,7 @@ struct SimOptions {
   std::string camera;  ///< "WxH@HZ" of the robots' cameras; empty: the board's
   double drift = 0.0;  ///< how wrong odometry is; 1 is a typical base
   std::string area;    ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
+  std::string crop;    ///< "X0,Y0,X1,Y1": the piece of a map_server map that is the world; empty: all of it
 };
 
 struct LiveOptions {

@@ -174,15 +174,17 @@ class Exploration {
 int run_explore(const SimOptions& options, const std::string& command_line) {
   const MappingOptions& mapping = options.mapping;
   if (const std::string problem = contradiction(options); !problem.empty()) return bad_usage(problem);
-  if (mapping.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
   const auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
-  auto world = hal::load_world(world_name);
-  if (!world) return fail(world.error().text);
+  const auto crop = choose_rectangle("--crop", options.crop);
+  if (!crop) return bad_usage(crop.error().text);
+  auto world = hal::load_world(world_name, crop.value());
+  if (!world)
+    return world.error().reason == hal::Reason::bad_usage ? bad_usage(world.error().text) : fail(world.error().text);
   const auto starts = hal::choose_starts(world.value(), 1, mapping.seed);
   if (!starts) return fail(starts.error().text);
   const auto observable = hal::find_observable(world.value(), starts.value());
@@ -215,6 +217,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   hal::SimBuilding building(std::move(world).value(), building_options);
   hal::RealClock clock;
   nav::Robot robot(config, clock);
+  if (const auto missing = missing_card(robot.mapper(), mapping)) return fail(*missing);
   nav::CoverageMeter coverage(observable.value());
   catch_stop_signals();
   const double limit_s = options.duration_s > 0.0 ? options.duration_s : kLongest_s;
@@ -258,6 +261,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   report.refused_blocks = robot.refused_blocks();
   report.file_bytes = outputs.map_file_bytes;
   report.hash = mapper::map_hash(robot.mapper().map());
+  report_mapper(robot.mapper(), report);
   report.command = command_line;
   report.version = mapper::version();
   report.seed = mapping.seed;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -41,25 +40,13 @@ hal::Result<CameraChoice> choose_camera(const board::Board& board, const std::st
 }
 
 hal::Result<void> set_area(const std::string& text, nav::ExplorerConfig& explorer) {
-  if (text.empty()) return {};
-  std::array<double, 4> corner{};
-  std::size_t from = 0;
-  std::size_t count = 0;
-  for (; count < 4 && from <= text.size(); ++count) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    const auto number = hal::parse_double(std::string_view(text).substr(from, comma - from));
-    if (!number) break;
-    corner[count] = *number;
-    from = comma + 1;
-  }
-  if (count != 4 || from <= text.size() || corner[0] >= corner[2] || corner[1] >= corner[3]) {
-    return hal::Error{hal::Reason::bad_usage,
-                      fmt::format("--area '{}': not X0,Y0,X1,Y1 in metres with X0 < X1 and Y0 < Y1", text)};
-  }
-  explorer.area_min_x_m = corner[0];
-  explorer.area_min_y_m = corner[1];
-  explorer.area_max_x_m = corner[2];
-  explorer.area_max_y_m = corner[3];
+  const auto area = choose_rectangle("--area", text);
+  if (!area) return area.error();
+  if (!area.value()) return {};
+  explorer.area_min_x_m = area.value()->min_x_m;
+  explorer.area_min_y_m = area.value()->min_y_m;
+  explorer.area_max_x_m = area.value()->max_x_m;
+  explorer.area_max_y_m = area.value()->max_y_m;
   return {};
 }
 

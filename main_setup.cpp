@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -53,7 +55,25 @@ mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptio
   config.with_colour = !options.no_colour;
   config.threads = board.map_threads;
   config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(board.map_memory_mb) * 1'000'000);
+  config.backend = options.mapper == "cpu"    ? mapper::Backend::cpu
+                   : options.mapper == "cuda" ? mapper::Backend::cuda
+                                              : mapper::Backend::automatic;
   return config;
+}
+
+std::optional<std::string> missing_card(const mapper::Mapper& mapper, const MappingOptions& options) {
+  if (options.mapper != "cuda" || std::string_view(mapper.backend_name()) == "cuda") return std::nullopt;
+  return fmt::format("--mapper cuda: {}; use --mapper cpu or auto", mapper.card().problem);
+}
+
+void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report) {
+  report.mapper = mapper.backend_name();
+  const mapper::CardReport card = mapper.card();
+  if (card.name.empty()) return;
+  std::string note =
+      fmt::format("{} frames by {}, {} by the processor", card.frames_on_card, card.name, card.frames_on_cpu);
+  if (card.losses > 0) note += fmt::format("; the card was lost {} times, at last: {}", card.losses, card.problem);
+  report.notes.push_back(std::move(note));
 }
 
 hal::CameraModel camera_model(const board::Board& board) {
@@ -64,6 +84,25 @@ hal::CameraModel camera_model(const board::Board& board) {
           .cx_px = static_cast<float>(board.camera_cx_px),
           .cy_px = static_cast<float>(board.camera_cy_px),
           .depth_units_per_metre = static_cast<float>(board.camera_depth_units_per_metre)};
+}
+
+hal::Result<std::optional<hal::FloorRectangle>> choose_rectangle(std::string_view option, const std::string& text) {
+  if (text.empty()) return std::optional<hal::FloorRectangle>{};
+  std::array<double, 4> corner{};
+  std::size_t from = 0;
+  std::size_t count = 0;
+  for (; count < 4 && from <= text.size(); ++count) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const auto number = hal::parse_double(std::string_view(text).substr(from, comma - from));
+    if (!number) break;
+    corner[count] = *number;
+    from = comma + 1;
+  }
+  if (count != 4 || from <= text.size() || corner[0] >= corner[2] || corner[1] >= corner[3]) {
+    return hal::Error{hal::Reason::bad_usage,
+                      fmt::format("{} '{}': not X0,Y0,X1,Y1 in metres with X0 < X1 and Y0 < Y1", option, text)};
+  }
+  return std::optional(hal::FloorRectangle{corner[0], corner[1], corner[2], corner[3]});
 }
 
 hal::Result<std::optional<mapper::StartFootprint>> start_footprint(const board::Board& board,

@@ -10,10 +10,6 @@ namespace g3d::nav {
 namespace {
 
 constexpr double kBehind_m = 0.35;
-constexpr double kOffPath_m = 0.35;    // farther from the path: another one is better
-constexpr double kSlowest_mps = 0.12;  // on average, until a goal takes too long
-constexpr double kGoalGrace_s = 25.0;
-constexpr double kSpun_rad = 0.05;
 constexpr double kAgain_s = 0.1;   // between decisions when one fails after the other,
 constexpr double kInVain_s = 1.0;  // and when that goes on
 constexpr int kCutOff = 3;         // goals in a row without a path: the robot is cut off from where it came from
@@ -29,24 +25,22 @@ ExplorerConfig sized(ExplorerConfig config, const CellGrid<CellState>& states) {
   return config;
 }
 
-FollowerConfig fitted(FollowerConfig config, double resolution_m) {
-  config.resolution_m = resolution_m;
-  return config;
-}
-
 }  // namespace
 
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
     : config_(config),
       floor_(grid, {config.ground, config.low_view, config.near_watch, config.follower.limits.body_radius_m,
                     config.inflation_radius_m, config.inflation_decay_perm}),
-      explorer_(std::make_unique<Explorer>(sized(config.explorer, floor_.states()))),
-      planner_(floor_.states().cells.size()),
-      follower_(fitted(config.follower, floor_.states().resolution_m)),
+      chooser_(config.make_chooser(sized(config.explorer, floor_.states()))),
+      pursuit_(floor_.states(), config.follower, config.pursuit),
       behind_(config.follower.limits.body_radius_m, config.follower.limits.touch_margin_m, kBehind_m,
               floor_.states().resolution_m),
       recovery_(config.recovery),
-      progress_(config.no_progress_s, config.lost_s) {}
+      closed_way_(config.closed_wait_s),
+      standby_(config.retry_s, config.max_retries),
+      progress_(config.no_progress_s, config.lost_s) {
+  chooser_->prepare(floor_.states(), floor_.cost());
+}
 
 void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs) {
   floor_.on_map(map, changed_slots, base_.T_world_base);
@@ -76,24 +70,24 @@ void Navigator::on_base(const BaseView& view, TimeNs now) {
   if (!has_base_) {
     has_base_ = true;
     home_ = view.T_world_base;
-    explorer_->set_home(home_);
+    chooser_->set_home(home_);
     progress_.start(home_, now);
-    last_step_ns_ = now;
+    standby_.start(now);
   }
   floor_.on_pose(view.T_world_base, now);
   if (met != 0) meet(met, now);
-  explorer_->set_energy_left(view.energy_left_s);
+  chooser_->set_energy_left(view.energy_left_s);
 }
 
 void Navigator::command(MissionEvent event) {
   using E = MissionEvent;
   if (event == E::come_home || event == E::battery_low) {
     is_sent_home_ = true;
-    is_checking_ = false;
-    explorer_->return_home();
+    closed_way_.end();
+    chooser_->return_home();
     next_decision_ns_ = 0;
   } else if (event == E::resume) {
-    retries_ = 0;
+    standby_.forget_retries();
   } else if (event != E::pause && event != E::stop) {
     return;
   }
@@ -103,21 +97,25 @@ void Navigator::command(MissionEvent event) {
 bool Navigator::is_at_home() const { return distance_m(base_.T_world_base, home_) <= config_.home_tolerance_m; }
 
 void Navigator::decide(TimeNs now) {
-  decision_ = explorer_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
+  if (!is_deciding_) decision_begun_ns_ = now;
+  const auto made = chooser_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
   floor_.forget_changes();
+  is_deciding_ = !made;
+  if (!made) return;
+  decision_ = *made;
   report_.frontiers_left = decision_.left;
-  next_decision_ns_ = after(now, config_.decide_period_s);
+  next_decision_ns_ = after(decision_begun_ns_, config_.decide_period_s);
   if (decision_.kind == DecisionKind::go_home && look_at_closed_way(now)) return;
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
-  const bool is_idle = !is_spinning_ && follower_.state() == FollowerState::idle;
+  const bool is_idle = !spin_.is_active() && pursuit_.is_idle();
   // A look around moves its goal's heading along with the robot: that is no other goal.
-  const bool is_other = decision_.kind != followed_.kind || (!is_spinning_ && !(decision_.goal == followed_.goal));
+  const bool is_other = decision_.kind != followed_.kind || (!spin_.is_active() && !(decision_.goal == followed_.goal));
   if (!decision_.is_new && !is_other && !is_idle && decision_.kind != DecisionKind::done) return;
   const bool is_left = !is_idle && decision_.kind == DecisionKind::goal && followed_.kind == DecisionKind::goal;
   const bool is_committed = is_left && left_goals_.change(followed_.goal, decision_.goal, now);
   follow_decision(now);
-  if (is_committed && follower_.state() != FollowerState::idle) next_decision_ns_ = goal_until_ns_;
+  if (is_committed && !pursuit_.is_idle()) next_decision_ns_ = pursuit_.goal_until_ns();
 }
 
 // Before it goes home: is what was closed still closed?
@@ -130,77 +128,49 @@ bool Navigator::look_at_closed_way(TimeNs now) {
     next_decision_ns_ = now;
     return true;
   }
-  while (ClosedWay* way = closed_ways_.next(floor_.cost(), base_.T_world_base)) {
-    ++way->looks;
-    checked_ = way->at;
+  while (const auto seen_from = closed_way_.begin(floor_.cost(), base_.T_world_base)) {
     decision_.kind = DecisionKind::goal;
-    decision_.goal = way->seen_from;
-    is_checking_ = true;
-    watch_until_ns_ = -1;
+    decision_.goal = *seen_from;
     follow_decision(now);
-    if (is_checking_) return true;
+    if (closed_way_.is_active()) return true;
   }
   return false;
 }
 
-void Navigator::watch_closed_way(TimeNs now) {
-  const bool is_open = !ClosedWays::is_closed(checked_, floor_.cost());
-  if (!is_open && (watch_until_ns_ < 0 || now < watch_until_ns_)) return;
-  is_checking_ = false;
-  if (is_open) explore_again();
+void Navigator::judge_closed_way(ClosedWayCheck::Finding finding, TimeNs now) {
+  if (finding == ClosedWayCheck::Finding::open_now) explore_again();
   next_decision_ns_ = now;
 }
 
 void Navigator::explore_again() {
-  ExplorerConfig config = sized(config_.explorer, floor_.states());
-  config.look_around_first = false;
-  explorer_ = std::make_unique<Explorer>(config);
-  explorer_->set_home(home_);
-  explorer_->set_energy_left(base_.energy_left_s);
-  follower_.clear();
+  chooser_->start_again(floor_.states());
+  pursuit_.clear();
 }
 
 void Navigator::follow_decision(TimeNs now) {
   followed_ = decision_;
-  is_spinning_ = false;
+  spin_.clear();
   switch (decision_.kind) {
     case DecisionKind::look_around:
-      follower_.clear();
-      is_spinning_ = true;
-      spin_left_rad_ = decision_.turn_rad;
-      spin_heading_rad_ = base_.T_world_base.heading_rad;
-      return;
+      pursuit_.clear();
+      return spin_.start(decision_.turn_rad, base_.T_world_base.heading_rad);
     case DecisionKind::done:
       return finish(now);
     case DecisionKind::goal:
     case DecisionKind::go_home:
-      if (plan(now)) {
-        goal_until_ns_ = after(now, follower_.track().length_m() / kSlowest_mps + kGoalGrace_s);
-      }
+      if (plan(now)) pursuit_.allow_time(now);
   }
 }
 
 bool Navigator::plan(TimeNs now) {
-  next_plan_ns_ = after(now, config_.plan_period_s);
-  next_refresh_ns_ = after(now, config_.refresh_period_s);
   ++report_.paths_planned;
-  Route route = planner_.plan(floor_.cost(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
   const bool is_goal = decision_.kind == DecisionKind::goal;
-  if (route.status == PathStatus::found) {
-    goals_in_vain_ = 0;
-  } else if (!is_goal || goals_in_vain_ >= kCutOff) {
-    // It came that way: whoever stands there may be gone, and is seen from nearby.
-    route = planner_.plan(floor_.cost_of_own_way(), base_.T_world_base, decision_.goal, config_.goal_tolerance_m);
-  }
-  if (route.status == PathStatus::found) {
-    follower_.set_path(route.points, is_goal ? std::optional(decision_.goal.heading_rad) : std::nullopt);
-    is_on_way_home_ = !is_goal;
-    return true;
-  }
-  follower_.clear();
-  is_hemmed_in_ = is_hemmed_in(floor_.cost(), base_.T_world_base);
+  const bool may_retrace = !is_goal || goals_in_vain_ >= kCutOff;
+  const Way way = pursuit_.plan(floor_, base_.T_world_base, decision_.goal, is_goal, may_retrace, now);
+  if (way == Way::open) goals_in_vain_ = 0;
+  if (way != Way::none) return true;
   if (recovery_.is_active()) return false;
-  if (is_hemmed_in_ || decision_.kind == DecisionKind::go_home) {
+  if (pursuit_.is_hemmed_in() || decision_.kind == DecisionKind::go_home) {
     begin_trouble(Trouble::no_path, StopReason::no_path, 0.0, now);
   } else {
     fail_goal(GoalFailure::no_path, now);
@@ -209,42 +179,42 @@ bool Navigator::plan(TimeNs now) {
 }
 
 void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
-  if (!is_checking_) {
+  if (!closed_way_.is_active()) {
     ++report_.goals_failed;
-    explorer_->goal_failed(reason);
+    chooser_->goal_failed(reason);
     if (reason == GoalFailure::no_path) ++goals_in_vain_;
   }
-  is_checking_ = false;
-  follower_.clear();
-  is_spinning_ = false;
+  closed_way_.end();
+  pursuit_.clear();
+  spin_.clear();
   recovery_.end();
   // People walk away and maps grow: to try all goals within a second would give them all up for nothing.
   next_decision_ns_ = after(now, goals_in_vain_ > kCutOff ? kInVain_s : kAgain_s);
 }
 
-// Nothing is left to explore. Home is where it goes, even if the explorer has given that up.
+// Nothing is left to explore. Home is where it goes, even if the chooser has given that up.
 void Navigator::finish(TimeNs now) {
   mission_.apply(MissionEvent::explored);
   if (is_at_home()) {
-    follower_.clear();
+    pursuit_.clear();
     mission_.apply(MissionEvent::at_home);
     return;
   }
-  if (follower_.state() != FollowerState::idle && is_on_way_home_) return;
+  if (!pursuit_.is_idle() && pursuit_.takes_any_heading()) return;  // on the way home
   decision_.kind = DecisionKind::go_home;
   decision_.goal = home_;
   if (plan(now)) {
-    goal_until_ns_ = after(now, follower_.track().length_m() / kSlowest_mps + kGoalGrace_s);
+    pursuit_.allow_time(now);
   } else if (recovery_.phase() == RecoveryPhase::idle && mission_.apply(MissionEvent::no_way_home)) {
-    retry_ns_ = after(now, config_.retry_s);
+    standby_.call_for_help(now);
   }
 }
 
 void Navigator::begin_trouble(Trouble trouble, StopReason reason, double side, TimeNs now) {
   report_.note_stop(reason);
   ++report_.recoveries;
-  shut_since_ns_ = -1;
-  follower_.clear();
+  pursuit_.forget_shut();
+  pursuit_.clear();
   recovery_.start(trouble, side, recovery_view(now));
 }
 
@@ -258,9 +228,9 @@ hal::Twist Navigator::recover(TimeNs now) {
   const hal::Twist twist = recovery_.step(recovery_view(now));
   if (recovery_.phase() == RecoveryPhase::asking) {
     if (recovery_.trouble() == Trouble::shut && recovery_.attempts() > 0) floor_.close_suspects();
-    if (is_spinning_ || plan(now)) {
+    if (spin_.is_active() || plan(now)) {
       recovery_.answer(true, recovery_view(now));
-    } else if (decision_.kind == DecisionKind::goal && !is_hemmed_in_) {
+    } else if (decision_.kind == DecisionKind::goal && !pursuit_.is_hemmed_in()) {
       fail_goal(GoalFailure::no_path, now);  // there may be other goals: no need to try everything for this one
     } else {
       recovery_.answer(false, recovery_view(now));
@@ -270,59 +240,45 @@ hal::Twist Navigator::recover(TimeNs now) {
     fail_goal(GoalFailure::stuck, now);
     recovery_.reset();
     if (decision_.kind == DecisionKind::go_home && mission_.apply(MissionEvent::no_way_home)) {
-      retry_ns_ = after(now, config_.retry_s);
+      standby_.call_for_help(now);
     }
   }
   return twist;
 }
 
 hal::Twist Navigator::look_around(TimeNs now) {
-  const double heading_rad = base_.T_world_base.heading_rad;
-  spin_left_rad_ -= wrap_angle(heading_rad - spin_heading_rad_);
-  spin_heading_rad_ = heading_rad;
-  if (std::fabs(spin_left_rad_) > kSpun_rad && spin_left_rad_ * decision_.turn_rad > 0.0) {
-    return {0.0, turn_rate_to(spin_left_rad_, config_.follower.limits)};
-  }
-  is_spinning_ = false;
-  explorer_->goal_reached();
+  if (const auto twist = spin_.step(base_.T_world_base.heading_rad, config_.follower.limits)) return *twist;
+  chooser_->goal_reached();
   next_decision_ns_ = now;
   return {};
 }
 
+void Navigator::arrive(TimeNs now) {
+  pursuit_.clear();
+  recovery_.reset();
+  progress_.note_got_on(base_.T_world_base, now);
+  if (closed_way_.is_active()) return closed_way_.watch(now);
+  ++report_.goals_reached;
+  chooser_->goal_reached();
+  next_decision_ns_ = now;
+}
+
 hal::Twist Navigator::follow(TimeNs now) {
-  const auto step_follower = [this] {
-    return follower_.step(base_.T_world_base, base_.velocity, floor_.states(), floor_.cost(), &floor_);
-  };
-  hal::Twist twist = step_follower();
-  if (follower_.state() == FollowerState::arrived) {
-    follower_.clear();
-    recovery_.reset();
-    progress_.note_got_on(base_.T_world_base, now);
-    if (is_checking_) {
-      watch_until_ns_ = after(now, config_.closed_wait_s);
-    } else {
-      ++report_.goals_reached;
-      explorer_->goal_reached();
-      next_decision_ns_ = now;
-    }
+  hal::Twist twist = pursuit_.step(floor_, base_.T_world_base, base_.velocity);
+  if (pursuit_.has_arrived()) {
+    arrive(now);
     return twist;
   }
-  if (follower_.blocked_at_m())
-    closed_ways_.note(follower_.track().ahead(*follower_.blocked_at_m()), base_.T_world_base);
-  const bool is_worse = follower_.blocked_at_m() || follower_.is_shut() || follower_.track().offset_m() > kOffPath_m;
-  if (now >= (is_worse ? next_plan_ns_ : next_refresh_ns_)) {
+  if (const auto closed_at = pursuit_.closed_at()) closed_way_.note(*closed_at, base_.T_world_base);
+  if (pursuit_.wants_path(now)) {
     if (!plan(now)) return {};
-    twist = step_follower();
+    twist = pursuit_.step(floor_, base_.T_world_base, base_.velocity);
   }
-  if (now >= goal_until_ns_) {
+  if (pursuit_.is_late(now)) {
     fail_goal(GoalFailure::timeout, now);
     return {};
   }
-  if (!follower_.is_shut()) {
-    shut_since_ns_ = -1;
-  } else if (shut_since_ns_ < 0) {
-    shut_since_ns_ = now;
-  } else if (now >= after(shut_since_ns_, config_.shut_s)) {
+  if (pursuit_.is_shut_for_long(now)) {
     begin_trouble(Trouble::shut, StopReason::shut, 0.0, now);
     // It has waited before: whatever stands there stays. Other goals may do as well.
     if (recovery_.attempts() > 0 && decision_.kind == DecisionKind::goal) {
@@ -336,20 +292,20 @@ hal::Twist Navigator::follow(TimeNs now) {
 hal::Twist Navigator::drive(TimeNs now) {
   if (recovery_.is_active()) return recover(now);
   free_behind_m_ = 0.0;
-  if (is_spinning_) return look_around(now);
-  if (follower_.state() != FollowerState::idle) return follow(now);
+  if (spin_.is_active()) return look_around(now);
+  if (!pursuit_.is_idle()) return follow(now);
   return {};
 }
 
 void Navigator::watch_progress(const hal::Twist& twist, TimeNs now) {
   progress_.step(twist, base_.T_world_base, now);
   if (recovery_.is_active()) progress_.note_moved(base_.T_world_base, now);
-  if (is_spinning_) progress_.note_got_on(base_.T_world_base, now);
+  if (spin_.is_active()) progress_.note_got_on(base_.T_world_base, now);
   if (progress_.is_stuck(now)) {
     progress_.note_moved(base_.T_world_base, now);
     push_against(twist, now);
   }
-  if (progress_.is_lost(now) && mission_.apply(MissionEvent::lost)) retry_ns_ = after(now, config_.retry_s);
+  if (progress_.is_lost(now) && mission_.apply(MissionEvent::lost)) standby_.call_for_help(now);
 }
 
 // The wheels work against something that presses no bumper: it is too high or too low for it.
@@ -359,8 +315,7 @@ void Navigator::push_against(const hal::Twist& twist, TimeNs now) {
 }
 
 void Navigator::retry(TimeNs now) {
-  if (mission_.state() != MissionState::needs_help || now < retry_ns_ || retries_ >= config_.max_retries) return;
-  ++retries_;
+  if (!standby_.should_retry(mission_.state(), now)) return;
   progress_.note_got_on(base_.T_world_base, now);
   floor_.forget_touches();
   mission_.apply(MissionEvent::resume);
@@ -371,17 +326,14 @@ void Navigator::retry(TimeNs now) {
 bool Navigator::stands_by(TimeNs now) {
   const bool is_forbidden = base_.verdict.state == hal::SafetyState::stand;
   const bool stands = !mission_.is_driving() || is_forbidden;
-  if (stands && !is_standing_by_ && !mission_.is_over()) {
+  const Standby::Step standing = standby_.step(stands, now);
+  if (standing.began && !mission_.is_over()) {
     report_.note_stop(is_forbidden ? StopReason::safety : StopReason::held);
     if (is_forbidden && base_.verdict.reason == hal::Condition::over_current) push_against(last_twist_, now);
   }
-  if (!stands && is_standing_by_) next_refresh_ns_ = now;  // much may have changed meanwhile
-  is_standing_by_ = stands;
-  if (stands) {  // not held against any goal
-    goal_until_ns_ += now - last_step_ns_;
-    progress_.leave_out(now - last_step_ns_);
-  }
-  last_step_ns_ = now;
+  if (standing.ended) pursuit_.refresh(now);
+  pursuit_.leave_out(standing.stood_ns);
+  progress_.leave_out(standing.stood_ns);
   return stands;
 }
 
@@ -389,8 +341,10 @@ hal::Twist Navigator::step(TimeNs now) {
   if (!has_base_) return {};
   retry(now);
   if (stands_by(now)) return {};
-  if (is_checking_) watch_closed_way(now);
-  if (!is_checking_ && now >= next_decision_ns_ && !recovery_.is_active()) decide(now);
+  if (closed_way_.is_active()) {
+    if (const auto finding = closed_way_.step(floor_.cost(), now)) judge_closed_way(*finding, now);
+  }
+  if (!closed_way_.is_active() && now >= next_decision_ns_ && !recovery_.is_active()) decide(now);
   if (!mission_.is_driving()) return {};
   last_twist_ = drive(now);
   watch_progress(last_twist_, now);

@@ -3,15 +3,16 @@
 // give the same velocities, in lockstep as in real time.
 //
 //   on_map ──▶ ground map ──▶ inflation ──▶ ┐
-//                                           ├─ explorer ──▶ route planner ──▶ follower ──▶ velocity
-//   on_base ─▶ pose, contacts, safety ────▶ ┘      ▲             recovery ──────┘
+//                                           ├─ goal chooser ──▶ goal pursuit ──▶ velocity
+//   on_base ─▶ pose, contacts, safety ────▶ ┘      ▲               recovery ──────┘
 //                                                  └── mission: pause, resume, stop, come home
 //
-// All calls from one thread. After construction nothing allocates but what the explorer reserved for itself. A step
-// that decides and plans takes some milliseconds, the others some ten microseconds.
+// All calls from one thread. After construction nothing allocates. A step that decides or plans takes some
+// milliseconds, the others some ten microseconds; decisions take several steps.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -21,15 +22,18 @@
 #include "hal/safety.hpp"
 #include "hal/twist.hpp"
 #include "mapper/voxel_map.hpp"
-#include "nav/closed_ways.hpp"
+#include "nav/closed_way_check.hpp"
 #include "nav/explorer.hpp"
 #include "nav/follower.hpp"
+#include "nav/goal_chooser.hpp"
 #include "nav/goal_history.hpp"
+#include "nav/goal_pursuit.hpp"
 #include "nav/mission.hpp"
 #include "nav/mission_report.hpp"
 #include "nav/progress_watch.hpp"
 #include "nav/recovery.hpp"
-#include "nav/route_planner.hpp"
+#include "nav/spin.hpp"
+#include "nav/standby.hpp"
 #include "nav/surroundings.hpp"
 
 namespace g3d::nav {
@@ -51,14 +55,12 @@ struct NavigatorConfig {
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
   ExplorerConfig explorer;
+  std::function<std::unique_ptr<GoalChooser>(const ExplorerConfig&)> make_chooser = make_explorer;
+  PursuitConfig pursuit;
   FollowerConfig follower;
   RecoveryConfig recovery;
   double decide_period_s = 1.0;
-  double plan_period_s = 0.5;      ///< at most so often while the way is blocked
-  double refresh_period_s = 3.0;   ///< a path is planned anew so often though nothing is wrong with it
-  double goal_tolerance_m = 0.25;  ///< how far a substitute may lie from a goal that cannot be stood on
   double home_tolerance_m = 0.30;
-  double shut_s = 0.4;  ///< nothing moves in front of a shut way for so long: trouble
   double no_progress_s = 3.0;
   double lost_s = 180.0;       ///< without having got anywhere: it needs help,
   double retry_s = 20.0;       ///< and tries by itself again after this,
@@ -84,10 +86,10 @@ class Navigator {
 
   [[nodiscard]] const Mission& mission() const { return mission_; }
   [[nodiscard]] const Recovery& recovery() const { return recovery_; }
-  [[nodiscard]] const Follower& follower() const { return follower_; }
+  [[nodiscard]] const Follower& follower() const { return pursuit_.follower(); }
   [[nodiscard]] const Decision& decision() const { return decision_; }  ///< with the goal
-  [[nodiscard]] std::span<const Waypoint> path() const { return follower_.track().points(); }
-  [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const { return explorer_->frontier_cells(); }
+  [[nodiscard]] std::span<const Waypoint> path() const { return follower().track().points(); }
+  [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const { return chooser_->frontier_cells(); }
   [[nodiscard]] const GroundMap& ground() const { return floor_.ground(); }
   [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return floor_.cost(); }
   [[nodiscard]] const hal::PlanarPose& home() const { return home_; }
@@ -107,7 +109,7 @@ class Navigator {
   void fail_goal(GoalFailure reason, TimeNs now);
   void finish(TimeNs now);
   [[nodiscard]] bool look_at_closed_way(TimeNs now);
-  void watch_closed_way(TimeNs now);
+  void judge_closed_way(ClosedWayCheck::Finding finding, TimeNs now);
   void explore_again();
   void begin_trouble(Trouble trouble, StopReason reason, double side, TimeNs now);
   [[nodiscard]] RecoveryView recovery_view(TimeNs now);
@@ -115,6 +117,7 @@ class Navigator {
   [[nodiscard]] hal::Twist drive(TimeNs now);
   [[nodiscard]] hal::Twist look_around(TimeNs now);
   [[nodiscard]] hal::Twist follow(TimeNs now);
+  void arrive(TimeNs now);
   void watch_progress(const hal::Twist& twist, TimeNs now);
   void push_against(const hal::Twist& twist, TimeNs now);
   [[nodiscard]] bool stands_by(TimeNs now);
@@ -123,14 +126,14 @@ class Navigator {
 
   NavigatorConfig config_;
   Surroundings floor_;
-  std::unique_ptr<Explorer> explorer_;  ///< made anew when a closed way has opened
-  RoutePlanner planner_;
-  Follower follower_;
+  std::unique_ptr<GoalChooser> chooser_;
+  GoalPursuit pursuit_;
   ArcCheck behind_;
   Recovery recovery_;
+  Spin spin_;
+  ClosedWayCheck closed_way_;
+  Standby standby_;
   ProgressWatch progress_;
-  hal::Twist last_twist_;
-  TimeNs last_step_ns_ = 0;
   Mission mission_;
   MissionReport report_;
 
@@ -138,31 +141,17 @@ class Navigator {
   bool has_base_ = false;
   hal::PlanarPose home_;
   double free_behind_m_ = 0.0;
+  hal::Twist last_twist_;
 
   Decision decision_;
-  Decision followed_;  ///< what the follower, or the look around, is about
-  bool is_on_way_home_ = false;
+  Decision followed_;  ///< what the pursuit, or the look around, is about
   TimeNs next_decision_ns_ = 0;
-  TimeNs next_plan_ns_ = 0;
-  TimeNs next_refresh_ns_ = 0;
-  TimeNs goal_until_ns_ = 0;
-  bool is_hemmed_in_ = false;  ///< as of the last plan
-  int goals_in_vain_ = 0;      ///< failed for want of a path, one after the other
+  bool is_deciding_ = false;
+  TimeNs decision_begun_ns_ = 0;
+  int goals_in_vain_ = 0;  ///< failed for want of a path, one after the other
   GoalHistory left_goals_;
-  ClosedWays closed_ways_;
   bool is_sent_home_ = false;
   bool was_reopened_ = false;
-  bool is_checking_ = false;  ///< on the way to a closed way, or watching it
-  Waypoint checked_;
-  TimeNs watch_until_ns_ = -1;
-  bool is_spinning_ = false;
-  double spin_left_rad_ = 0.0;
-  double spin_heading_rad_ = 0.0;
-
-  TimeNs shut_since_ns_ = -1;  ///< -1: is not
-  TimeNs retry_ns_ = -1;
-  int retries_ = 0;
-  bool is_standing_by_ = false;
 };
 
 }  // namespace g3d::nav

@@ -24,9 +24,13 @@ Error with_names(Error error) {
 
 }  // namespace
 
-Result<World> load_world(const std::string& name_or_file) {
+Result<World> load_world(const std::string& name_or_file, const std::optional<FloorRectangle>& crop) {
+  if (name_or_file.ends_with(".yaml") || name_or_file.ends_with(".yml")) return load_map_world(name_or_file, {}, crop);
+  if (crop) {
+    return Error{Reason::bad_usage,
+                 fmt::format("{}: only map_server maps (.yaml) can be cropped; take the whole world", name_or_file)};
+  }
   if (const std::string_view text = builtin_world(name_or_file); !text.empty()) return parse_world(text, name_or_file);
-  if (name_or_file.ends_with(".yaml") || name_or_file.ends_with(".yml")) return load_map_world(name_or_file);
   const auto text = read_text_file(name_or_file, kMaxTextBytes);
   if (!text) return with_names(text.error());
   return parse_world(text.value(), name_or_file);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/image/file_bytes.hpp"
+#include "hal/sim/map_crop.hpp"
 #include "hal/sim/map_start.hpp"
 #include "hal/sim/text_fields.hpp"
 
@@ -206,17 +207,21 @@ Result<World> make_map_world(const MapYaml& yaml, const GreyImage& image, const 
   return world;
 }
 
-Result<World> load_map_world(const std::string& yaml_path, const MapWorldOptions& options) {
+Result<World> load_map_world(const std::string& yaml_path, const MapWorldOptions& options,
+                             const std::optional<FloorRectangle>& crop) {
   const auto text = read_text_file(yaml_path, kMaxYamlBytes);
   if (!text) return text.error();
-  const auto yaml = parse_map_yaml(text.value(), yaml_path);
+  auto yaml = parse_map_yaml(text.value(), yaml_path);
   if (!yaml) return yaml.error();
   const std::string& image = yaml.value().image;
   const std::size_t slash = yaml_path.rfind('/');
   const bool beside = image.front() != '/' && slash != std::string::npos;
   const std::string image_path = beside ? yaml_path.substr(0, slash + 1) + image : image;
-  const auto picture = read_pgm(image_path);
+  auto picture = read_pgm(image_path);
   if (!picture) return picture.error();
+  if (crop) {
+    if (const auto cut = crop_map(yaml.value(), picture.value(), *crop, yaml_path); !cut) return cut.error();
+  }
   return make_map_world(yaml.value(), picture.value(), options, yaml_path);
 }
 

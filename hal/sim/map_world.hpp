@@ -4,6 +4,7 @@
 // through a cell that nobody has seen; elsewhere they are air. A robot starts in the middle of the widest free part.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,14 @@ struct MapYaml {
   double free_thresh = 0.196;     ///< 0..1; free below
 };
 
+/// A rectangle of the floor, world frame.
+struct FloorRectangle {
+  double min_x_m = 0.0;
+  double min_y_m = 0.0;
+  double max_x_m = 0.0;
+  double max_y_m = 0.0;
+};
+
 struct MapWorldOptions {
   double wall_height_m = 2.5;
   bool ceiling = true;
@@ -33,6 +42,8 @@ struct MapWorldOptions {
 [[nodiscard]] Result<MapYaml> parse_map_yaml(std::string_view text, std::string_view file);
 [[nodiscard]] Result<World> make_map_world(const MapYaml& yaml, const GreyImage& image, const MapWorldOptions& options,
                                            std::string_view file);
-[[nodiscard]] Result<World> load_map_world(const std::string& yaml_path, const MapWorldOptions& options = {});
+/// `crop`: only this piece of it.
+[[nodiscard]] Result<World> load_map_world(const std::string& yaml_path, const MapWorldOptions& options = {},
+                                           const std::optional<FloorRectangle>& crop = std::nullopt);
 
 }  // namespace g3d::hal

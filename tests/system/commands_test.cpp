@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other commands as a user types them: sim, export, info, merge; usage errors; Ctrl-C.
+#include <dlfcn.h>
+
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <filesystem>
@@ -168,6 +170,9 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
       {{"--robots", "1", "--area", "0,0,1,1,"}, "X0,Y0,X1,Y1"},
       {{"--robots", "1", "--area", "2,0,1,1"}, "X0 < X1"},
       {{"--robots", "1", "--area", "a,0,1,1"}, "--area"},
+      {{"--robots", "1", "--crop", "0,0,1"}, "--crop '0,0,1': not X0,Y0,X1,Y1"},
+      {{"--robots", "1", "--crop", "0,0,5,5"}, "maze: only map_server maps (.yaml) can be cropped"},
+      {{"--crop", "5,0,0,5"}, "X0 < X1"},
       {{"--robots", "1", "--drift", "-1"}, "--drift"},
       {{"--robots", "1", "--camera-path", "some.path"}, "--camera-path"},
       {{"--robots", "1", "--laps", "2"}, "--laps"},
@@ -209,7 +214,9 @@ TEST_CASE("what cannot be done at run time is exit code 1 and names the file", "
   expect({"sim", "--world", folder / "bad.world", "--camera-path", folder / "none", "--out", folder / "o"},
          "bad.world:1");
   expect({"sim", "--board", folder / "bad.toml", "--out", folder / "o"}, "bad.toml:2");
-  expect({"sim", "--mapper", "cuda", "--out", folder / "o"}, "not in this build");
+  if (dlopen("libcuda.so.1", RTLD_NOW) == nullptr) {
+    expect({"sim", "--mapper", "cuda", "--out", folder / "o"}, "use --mapper cpu or auto");
+  }
   expect({"sim", "--mask", folder / "none.png", "--out", folder / "o"}, "none.png");
 }
 

@@ -26,6 +26,15 @@ TEST_CASE("worlds, paths and floor plans are read from files") {
   CHECK(load_world((folder / "a.world").string()).value().primitives().size() == 1);
   CHECK(load_camera_path((folder / "a.path").string()).ok());
   CHECK(load_world((folder / "m.yaml").string()).value().grid().has_value());
+  const FloorRectangle left{0, 0, 0.4, 0.5};
+  CHECK(load_world((folder / "m.yaml").string(), left).value().grid()->width_cells() == 3);
+  CHECK(load_world((folder / "m.yaml").string()).value().grid()->width_cells() == 4);
+  const FloorRectangle beside{7, 0, 8, 0.5};
+  CHECK_THAT(load_world((folder / "m.yaml").string(), beside).error().text,
+             Contains("m.yaml: the rectangle 7,0,8,0.5"));
+  CHECK_THAT(load_world((folder / "a.world").string(), left).error().text,
+             Contains("a.world: only map_server maps (.yaml) can be cropped"));
+  CHECK(load_world("maze", left).error().reason == Reason::bad_usage);
   std::ofstream(folder / "bad.yaml") << "image: none.pgm\nresolution: 0.5\n";
   CHECK(load_world((folder / "bad.yaml").string()).error().reason == Reason::not_found);
   std::filesystem::remove_all(folder);

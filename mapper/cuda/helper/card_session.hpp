@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The helper's side of a card: memory, kernels, and the sequence of launches of one frame.
+#pragma once
+
+#include "mapper/cuda/helper/driver.hpp"
+#include "mapper/cuda/helper_protocol.hpp"
+
+namespace g3d::mapper::cuda {
+
+class CardSession {
+ public:
+  /// False: control.problem says why.
+  [[nodiscard]] bool start(HelperControl& control);
+  /// Does what control.command says.
+  [[nodiscard]] bool obey();
+
+ private:
+  enum Kernel { kImport, kScan, kReduce, kWalk, kFind, kUpdate, kExport, kKernelCount };
+
+  [[nodiscard]] bool check(int result, const char* what);
+  [[nodiscard]] bool make_context();
+  [[nodiscard]] bool load_kernels();
+  [[nodiscard]] bool make_memory();
+  [[nodiscard]] bool make_graph();
+  [[nodiscard]] bool launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments);
+  [[nodiscard]] bool launch_frame(int first_kernel, int end_kernel);
+  [[nodiscard]] bool copy_input();
+  [[nodiscard]] bool run_frame(bool timed);
+  [[nodiscard]] bool run_stages();
+  [[nodiscard]] bool import_blocks(std::uint32_t count);
+  [[nodiscard]] bool send_blocks(std::uint32_t first);
+  [[nodiscard]] bool fetch_parcels(std::uint32_t first);
+  template <typename T>
+  [[nodiscard]] T* shared(std::uint64_t offset) const {
+    return reinterpret_cast<T*>(reinterpret_cast<char*>(control_) + offset);
+  }
+
+  HelperControl* control_ = nullptr;
+  Driver driver_{};
+  int device_ = 0;
+  CuHandle stream_ = nullptr;
+  CuHandle kernels_[kKernelCount] = {};
+  CuHandle graph_ = nullptr;
+  CuHandle events_[kStages + 1] = {};
+  CuDevicePointer memory_symbol_ = 0;
+  CuDevicePointer base_ = 0;
+  CuDevicePointer card_counters_ = 0;
+  Memory memory_{};
+  Parcels parcels_{};  ///< as the card sees them
+  bool mapped_ = false;
+  unsigned processors_ = 1;
+};
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is a voxel seen through? cpu::Projective, one voxel at a time.
+#pragma once
+
+#include "mapper/cuda/kernels/reduce.hpp"
+#include "mapper/cuda/kernels/visible.hpp"
+
+namespace g3d::mapper::cuda {
+
+struct Window {
+  std::int32_t level;
+  std::int32_t cells;
+};
+
+/// For voxels around a depth; see cpu::FootprintImages::choose.
+inline G3D_GPU Window choose_window(const FrameParams& f, float z_units) {
+  const float z_m = most(z_units, f.min_z_units) * f.metres_per_unit;
+  float cells = f.window_px_m / z_m;
+  int level = 0;
+  while (cells > static_cast<float>(kLargestWindow) + 0.5F && level + 1 < f.image_levels) {
+    cells *= 0.5F;
+    ++level;
+  }
+  const int smallest = level == 0 ? least(f.smallest_window, kLargestWindow) : 4;
+  return {level, least(most(static_cast<int>(cells + 0.5F), smallest), kLargestWindow)};
+}
+
+/// A block as the projective test sees it.
+struct ProjectedBlock {
+  float x_px_m;
+  float y_px_m;
+  float z_units;
+};
+inline G3D_GPU ProjectedBlock project_block(const FrameParams& f, const Corner& corner) {
+  return {f.fx_px * corner.x_m, f.fy_px * corner.y_m, f.units_per_metre * corner.z_m};
+}
+
+/// How far a ray must reach to show that a voxel at this depth is free.
+inline G3D_GPU float needed_units(const FrameParams& f, float z_units) {
+  const float beyond = z_units + f.bias_units;
+  return z_units + f.far_bias_units <= f.far_units ? least(beyond, f.far_units) : beyond;
+}
+
+inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
+                                    const Window& window, bool at_border, int place) {
+  const WindowPlace& w = f.windows[window.level][window.cells];
+  const float z_units = block.z_units + f.tables.z_units[place];
+  if (z_units < f.min_z_units) return false;
+  const float inverse = w.cells_per_px / (most(z_units, f.min_z_units) * f.metres_per_unit);
+  const float x_px_m = block.x_px_m + f.tables.x_px_m[place];
+  const float y_px_m = block.y_px_m + f.tables.y_px_m[place];
+  const float x = least(most(x_px_m * inverse + w.shift_x, w.first), w.last_x);
+  const float y = least(most(y_px_m * inverse + w.shift_y, w.first), w.last_y);
+  const std::uint32_t end = window_maximum(f, m, window.level, window.cells, static_cast<int>(x), static_cast<int>(y));
+  if (!(static_cast<float>(end) >= needed_units(f, z_units))) return false;
+  if (!at_border) return true;
+  const float z_m = z_units * f.metres_per_unit;
+  return x_px_m + f.reach_px_m[0] >= f.left_px * z_m && x_px_m - f.reach_px_m[1] <= f.right_px * z_m &&
+         y_px_m + f.reach_px_m[2] >= f.top_px * z_m && y_px_m - f.reach_px_m[3] <= f.bottom_px * z_m;
+}
+
+/// Is the voxel free by measured rays alone? Asked for occupied voxels that only a ray without a reading seems to pass.
+inline G3D_GPU bool is_strongly_free(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
+                                     const Window& window, int place) {
+  const WindowPlace& w = f.windows[window.level][window.cells];
+  const float z_units = block.z_units + f.tables.z_units[place];
+  if (z_units < f.min_z_units) return false;
+  const float inverse = w.cells_per_px / (z_units * f.metres_per_unit);
+  const float x = (block.x_px_m + f.tables.x_px_m[place]) * inverse + w.shift_x;
+  const float y = (block.y_px_m + f.tables.y_px_m[place]) * inverse + w.shift_y;
+  const int u0 = (static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding) * (1 << window.level);
+  const int v0 = (static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding) * (1 << window.level);
+  const int side = window.cells << window.level;
+  const float needed = needed_units(f, z_units);
+  for (int v = most(v0, 0); v < least(v0 + side, f.height_px); ++v) {
+    for (int u = most(u0, 0); u < least(u0 + side, f.width_px); ++u) {
+      const std::uint32_t end = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
+      if (static_cast<float>(end) >= needed && m.depth[v * f.width_px + u] != 0) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace g3d::mapper::cuda
