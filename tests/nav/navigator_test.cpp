@@ -109,7 +109,7 @@ class ListChooser final : public nav::GoalChooser {
   void goal_failed(nav::GoalFailure) override { ++next_, ++told_.failed; }
   void set_home(const hal::PlanarPose& home) override { home_ = home; }
   void set_energy_left(double) override {}
-  void start_again(const nav::CellGrid<nav::CellState>&) override {}
+  void start_again() override {}
   void return_home() override { next_ = goals_.size(); }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
