@@ -143,8 +143,8 @@ void measure(const MapperConfig& config, const test::Workload& work) {
           title(config, work), median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(stage_us[3]),
           median(stage_us[4]), median(stage_us[5]), median(stage_us[6]));
     } else {
-      fmt::print("time    {}: {} pass, card {:.1f} us, main to main with mirror {:.1f} us, {:.0f} blocks changed\n",
-                 title(config, work), kPasses[pass], median(stage_us[0]), median(wall_us), median(changed));
+      fmt::print("time    {}: {} pass, card {:.1f} us, changed blocks back {:.1f} us, {:.0f} of them\n",
+                 title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(changed));
     }
   }
   const MapCounts counts = rig.map.counts();

@@ -85,9 +85,8 @@ inline G3D_GPU void load_tile(const FrameParams& f, const Memory& m, int tile, i
 }
 
 /// Numbers the blocks in which the tile's pixels lie.
-inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, int tile) {
+inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  const FrameParams& f = m.input->params;
   block.each([&](int t) { load_tile(f, m, tile, t, s, false); });
   block.each([&](int t) {
     const int x = t % kTileColumns;
@@ -103,9 +102,8 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, int til
 }
 
 /// Pixels to records.
-inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, int tile) {
+inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  const FrameParams& f = m.input->params;
   block.each([&](int t) { load_tile(f, m, tile, t, s, true); });
   block.each([&](int t) {
     const int x = t % kTileColumns;

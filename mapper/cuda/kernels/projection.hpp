@@ -44,11 +44,11 @@ inline G3D_GPU float needed_units(const FrameParams& f, float z_units) {
 inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
                                     const Window& window, bool at_border, int place) {
   const WindowPlace& w = f.windows[window.level][window.cells];
-  const float z_units = block.z_units + f.tables.z_units[place];
+  const float z_units = block.z_units + m.input->tables.places.z_units[place];
   if (z_units < f.min_z_units) return false;
   const float inverse = w.cells_per_px / (most(z_units, f.min_z_units) * f.metres_per_unit);
-  const float x_px_m = block.x_px_m + f.tables.x_px_m[place];
-  const float y_px_m = block.y_px_m + f.tables.y_px_m[place];
+  const float x_px_m = block.x_px_m + m.input->tables.places.x_px_m[place];
+  const float y_px_m = block.y_px_m + m.input->tables.places.y_px_m[place];
   const float x = least(most(x_px_m * inverse + w.shift_x, w.first), w.last_x);
   const float y = least(most(y_px_m * inverse + w.shift_y, w.first), w.last_y);
   const std::uint32_t end = window_maximum(f, m, window.level, window.cells, static_cast<int>(x), static_cast<int>(y));
@@ -63,22 +63,28 @@ inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const
 inline G3D_GPU bool is_strongly_free(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
                                      const Window& window, int place) {
   const WindowPlace& w = f.windows[window.level][window.cells];
-  const float z_units = block.z_units + f.tables.z_units[place];
+  const float z_units = block.z_units + m.input->tables.places.z_units[place];
   if (z_units < f.min_z_units) return false;
   const float inverse = w.cells_per_px / (z_units * f.metres_per_unit);
-  const float x = (block.x_px_m + f.tables.x_px_m[place]) * inverse + w.shift_x;
-  const float y = (block.y_px_m + f.tables.y_px_m[place]) * inverse + w.shift_y;
-  const int u0 = (static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding) * (1 << window.level);
-  const int v0 = (static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding) * (1 << window.level);
-  const int side = window.cells << window.level;
-  const float needed = needed_units(f, z_units);
-  for (int v = most(v0, 0); v < least(v0 + side, f.height_px); ++v) {
-    for (int u = most(u0, 0); u < least(u0 + side, f.width_px); ++u) {
-      const std::uint32_t end = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
-      if (static_cast<float>(end) >= needed && m.depth[v * f.width_px + u] != 0) return true;
+  const float x = (block.x_px_m + m.input->tables.places.x_px_m[place]) * inverse + w.shift_x;
+  const float y = (block.y_px_m + m.input->tables.places.y_px_m[place]) * inverse + w.shift_y;
+  const int x0 = static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding;
+  const int y0 = static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding;
+  const ImageShape& shape = f.shapes[window.level];
+  std::uint32_t farthest = 0;
+  for (int cy = most(y0, 0); cy < least(y0 + window.cells, shape.height); ++cy) {
+    for (int cx = most(x0, 0); cx < least(x0 + window.cells, shape.width); ++cx) {
+      std::uint32_t end = 0;
+      const int cell = (cy + kPadding) * shape.stride + cx + kPadding;
+      if (window.level > 0) {
+        end = m.strong[window.level][cell];
+      } else if (m.depth[cy * f.width_px + cx] != 0) {
+        end = m.ends[0][cell];
+      }
+      farthest = most(farthest, end);
     }
   }
-  return false;
+  return static_cast<float>(farthest) >= needed_units(f, z_units) && farthest != 0;
 }
 
 }  // namespace g3d::mapper::cuda

@@ -16,7 +16,6 @@ inline constexpr std::uint32_t kAnyColour = 1U << 18;
 /// What the threads of one block tell each other.
 struct UpdateState {
   WorkItem item;
-  GpuBlock old;
   Corner corner;
   std::uint32_t views[kBricks];
   Window windows[kBricks];
@@ -45,7 +44,7 @@ inline G3D_GPU void join(std::uint32_t* shared, std::uint32_t bits) {
 inline G3D_GPU std::uint32_t updated_byte(const FrameParams& f, std::uint32_t old_byte, bool hit, std::uint32_t free) {
   const std::uint8_t level = static_cast<std::uint8_t>(old_byte & kLevelMask);
   const bool is_free = free == cpu::kStrongFree || (free != 0 && level <= kUnknownLevel);
-  const std::uint32_t next = hit ? after_hit(level, f.steps) : is_free ? after_miss(level, f.steps) : level;
+  const std::uint32_t next = hit ? after_hit(level, steps_of(f)) : is_free ? after_miss(level, steps_of(f)) : level;
   return next | (next > kUnknownLevel ? old_byte & kHasColourBit : 0U);
 }
 
@@ -70,7 +69,7 @@ inline G3D_GPU std::uint32_t free_by_projection(const FrameParams& f, const Memo
 
 /// Reads a thread's voxels and says what becomes of their levels.
 inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, UpdateState& s, int t, FourVoxels& mine) {
-  const GpuBlock& old = s.old;
+  const GpuBlock& old = s.item.old;
   mine.old_bytes = old.uniform_level * 0x01010101U;
   if (old.plane != kNone) {
     mine.old_bytes =
@@ -80,6 +79,7 @@ inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, Update
   if (s.item.record != kNone) record = m.hits + static_cast<std::size_t>(s.item.record) * kVoxels + 4 * t;
   std::uint32_t summary = 0;
   mine.new_bytes = 0;
+#pragma GCC unroll 4
   for (int k = 0; k < 4; ++k) {
     mine.hits[k] = kNoHit;
     if (record != nullptr) {
@@ -111,24 +111,21 @@ inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, Update
 
 /// By one thread: whether anything is written, and where. Memory is taken in the order plane, block, bricks, so that a
 /// full pool leaves nothing half made.
-inline G3D_GPU void provide_memory(const FrameParams& f, const Memory& m, UpdateState& s) {
+inline G3D_GPU void provide_memory(const Memory& m, UpdateState& s) {
   s.writes = 0;
   s.changed = 0;
   s.plane = kNone;
   if ((s.summary & kAnyEvidence) == 0 || (s.summary & (kAnyChange | kAnyColour)) == 0) return;
   MapState& map = *m.state;
   const bool uniform = (s.summary & s.summary >> 8 & 0xFFU) == 0 && s.coloured_bricks == 0;
-  s.plane = s.old.plane;
+  s.plane = s.item.old.plane;
   if (!uniform && s.plane == kNone) s.plane = take(map.planes, m.free_planes);
   if (!uniform && s.plane == kNone) {
     atomic_add(&m.input->counters.refused, 1U);
     return;
   }
   if (s.item.slot == kNone) {
-    const int id = static_cast<int>(s.item.block_id);
-    const int row = id / f.blocks[0];
-    s.old.key = block_key_at(f, id % f.blocks[0], row % f.blocks[1], row / f.blocks[1]);
-    s.item.slot = insert_block(m, s.old.key);
+    s.item.slot = insert_block(m, s.item.old.key);
     if (s.item.slot == kNone) {
       if (s.plane != kNone) give_back(map.planes, m.returned_planes, s.plane);
       atomic_add(&m.input->counters.refused, 1U);
@@ -144,7 +141,7 @@ inline G3D_GPU void provide_memory(const FrameParams& f, const Memory& m, Update
   block.plane = s.plane;
   bool all_bricks = true;
   for (int b = 0; b < kBricks; ++b) {
-    std::uint32_t brick = s.old.bricks[b];
+    std::uint32_t brick = s.item.old.bricks[b];
     const bool wanted = (s.coloured_bricks >> b & 1U) != 0;
     if (wanted && brick == kNone) {
       brick = take(map.bricks, m.free_bricks);
@@ -170,9 +167,10 @@ inline G3D_GPU std::uint32_t pixel_rgb(const Memory& m, std::uint32_t pixel) {
 inline G3D_GPU void write_voxels(const Memory& m, UpdateState& s, int t, const FourVoxels& mine) {
   std::uint32_t bytes = mine.new_bytes;
   const std::uint32_t brick = s.bricks[t / 16];
-  for (int k = 0; k < 4 && brick != kNone; ++k) {
+#pragma GCC unroll 4
+  for (int k = 0; k < 4; ++k) {
     const std::uint32_t byte = byte_of(bytes, k);
-    if (mine.hits[k] >= kNoColour || (byte & kLevelMask) <= kUnknownLevel) continue;
+    if (brick == kNone || mine.hits[k] >= kNoColour || (byte & kLevelMask) <= kUnknownLevel) continue;
     std::uint32_t& colour = m.colours[static_cast<std::size_t>(brick) * kBrickSize + (4 * t + k) % kBrickSize];
     const std::uint32_t fresh = pixel_rgb(m, mine.hits[k]);
     const bool had_colour = (byte & kHasColourBit) != 0;
@@ -186,35 +184,32 @@ inline G3D_GPU void write_voxels(const Memory& m, UpdateState& s, int t, const F
   }
 }
 
-inline G3D_GPU void update_block(const Block& block, const Memory& m, std::uint32_t index) {
+inline G3D_GPU void update_block(const Block& block, const Memory& m, const FrameParams& f, std::uint32_t index) {
   G3D_GPU_SHARED UpdateState s;
-  const FrameParams& f = m.input->params;
   PerThread<FourVoxels, kUpdateThreads> voxels;
   block.each([&](int t) {
-    if (t != 0) return;
-    s.item = m.items[index];
-    if (s.item.slot != kNone) {
-      s.old = m.blocks[s.item.slot];
-    } else {
-      s.old = GpuBlock{0, kNone, kUnknownLevel, {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone}};
+    constexpr int kWords = sizeof(WorkItem) / sizeof(std::uint32_t);
+    if (t < kWords) {
+      reinterpret_cast<std::uint32_t*>(&s.item)[t] = reinterpret_cast<const std::uint32_t*>(m.items + index)[t];
     }
-    const int id = static_cast<int>(s.item.block_id);
-    const int row = id / f.blocks[0];
-    s.corner = corner_of(f, id % f.blocks[0], row % f.blocks[1], row / f.blocks[1]);
-    s.summary = 0;
-    s.coloured_bricks = 0;
+    if (t == kWords) s.summary = 0;
+    if (t == kWords + 1) s.coloured_bricks = 0;
   });
   block.each([&](int t) {
     if (t >= kBricks || f.free_by != FreeBy::projection) return;
+    const int id = static_cast<int>(s.item.block_id);
+    const int row = id / f.blocks[0];
+    const Corner corner = corner_of(f, id % f.blocks[0], row % f.blocks[1], row / f.blocks[1]);
     View view = static_cast<View>(s.item.view);
     const bool looks = view == View::look || view == View::look_at_border;
-    if (looks) view = decide_brick(f, m, s.corner, {s.item.farthest_m, s.item.nearest_m}, t);
+    if (looks) view = decide_brick(f, m, corner, {s.item.farthest_m, s.item.nearest_m}, t);
     s.views[t] = static_cast<std::uint32_t>(view);
-    s.windows[t] = choose_window(f, f.units_per_metre * s.corner.z_m + f.middle_units[t]);
+    s.windows[t] = choose_window(f, f.units_per_metre * corner.z_m + f.middle_units[t]);
+    if (t == 0) s.corner = corner;
   });
   block.each([&](int t) { look_at_voxels(f, m, s, t, voxels[t]); });
   block.each([&](int t) {
-    if (t == 0) provide_memory(f, m, s);
+    if (t == 0) provide_memory(m, s);
   });
   block.each([&](int t) {
     if (s.writes != 0) write_voxels(m, s, t, voxels[t]);

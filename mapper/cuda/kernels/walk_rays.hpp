@@ -97,8 +97,7 @@ inline G3D_GPU void walk_as_thesis(const FrameParams& f, const Memory& m, const 
 inline constexpr int kRayTileColumns = 32;
 inline constexpr int kRayTileRows = 8;
 
-inline G3D_GPU void walk_tile(const Block& block, const Memory& m, int tile) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void walk_tile(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   const int across = tiles(f.width_px, kRayTileColumns);
   block.each([&](int t) {
     const int u = tile % across * kRayTileColumns + t % kRayTileColumns;
