@@ -91,7 +91,8 @@ struct Rig {
                                          .sizes = twin.builder().sizes(),
                                          .column_slope = sensor.column_slope,
                                          .row_slope = sensor.row_slope,
-                                         .mask = twin.builder().mask()},
+                                         .mask = twin.builder().mask(),
+                                         .patience_ns = 60'000'000'000},  // a profiler may take its time
                                         problem);
     if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
     if (!twin.has_card()) fmt::print("no card: {}\n", helper != nullptr ? helper->problem() : problem);

@@ -52,8 +52,7 @@ inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, 
     // The box has room for every trusted reading; a damaged frame must not write beside it.
     if (k[axis] < 0 || k[axis] >= 8 * f.blocks[axis]) return {kNone, 0};
   }
-  return {block_id_at(f, k[0] >> 3, k[1] >> 3, k[2] >> 3),
-          static_cast<std::uint32_t>(encode({k[0] & 7, k[1] & 7, k[2] & 7}))};
+  return {block_id_at(f, k[0] >> 3, k[1] >> 3, k[2] >> 3), place_at(k[0] & 7, k[1] & 7, k[2] & 7)};
 }
 
 struct HitTile {

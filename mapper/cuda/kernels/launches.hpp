@@ -15,7 +15,6 @@
 
 #include "mapper/cuda/kernels/parcels.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
-#include "mapper/cuda/kernels/walk_rays.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -34,17 +33,17 @@ inline G3D_GPU void scan_image(const Block& block, const Memory& m, const FrameP
   const int rows = tiles(f.height_px, rows_per_scan(f.width_px));
   const int all = strips + marks + rows + 1;
   for (int task = block.index; task < all; task += block.count) {
-    if (task < strips) {
-      scan_columns(block, m, f, task);
-    } else if (task < strips + rows) {
-      scan_rows(block, m, f, task - strips);
-    } else if (task < strips + rows + marks) {
-      mark_hit_blocks(block, m, f, task - strips - rows);
-    } else {
+    if (task == 0) {
       MapState& s = *m.state;
       collect_returned(block, s.blocks, m.free_blocks, m.returned_blocks, kPixelThreads);
       collect_returned(block, s.planes, m.free_planes, m.returned_planes, kPixelThreads);
       collect_returned(block, s.bricks, m.free_bricks, m.returned_bricks, kPixelThreads);
+    } else if (task <= strips) {
+      scan_columns(block, m, f, task - 1);
+    } else if (task <= strips + rows) {
+      scan_rows(block, m, f, task - strips - 1);
+    } else {
+      mark_hit_blocks(block, m, f, task - strips - rows - 1);
     }
   }
 }

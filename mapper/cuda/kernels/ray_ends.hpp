@@ -14,17 +14,14 @@ struct RowScan {
   std::uint32_t counts[4];
 };
 
-/// Reading nearest to the left of pixel 8 t + k of a row, kUnbounded if there is none.
-inline G3D_GPU std::uint32_t left_of(const std::uint8_t* readings, const std::uint16_t* depth, int t, int k) {
-  int byte = t;
-  std::uint32_t bits = readings[t] & ((1U << k) - 1U);
+/// Reading nearest to the left of a thread's eight pixels, kUnbounded if there is none; and to their right.
+inline G3D_GPU std::uint32_t left_of(const std::uint8_t* readings, const std::uint16_t* depth, int byte) {
+  std::uint32_t bits = 0;
   while (bits == 0 && byte > 0) bits = readings[--byte];
   return bits == 0 ? kUnbounded : depth[8 * byte + 31 - __builtin_clz(bits)];
 }
-inline G3D_GPU std::uint32_t right_of(const std::uint8_t* readings, const std::uint16_t* depth, int t, int k,
-                                      int bytes) {
-  int byte = t;
-  std::uint32_t bits = readings[t] & (0xFFU << (k + 1)) & 0xFFU;
+inline G3D_GPU std::uint32_t right_of(const std::uint8_t* readings, const std::uint16_t* depth, int byte, int bytes) {
+  std::uint32_t bits = 0;
   while (bits == 0 && byte + 1 < bytes) bits = readings[++byte];
   return bits == 0 ? kUnbounded : depth[8 * byte + __builtin_ctz(bits)];
 }
@@ -61,17 +58,31 @@ inline G3D_GPU void scan_rows(const Block& block, const Memory& m, const FramePa
     const std::uint16_t* depth = m.depth + v * width;
     const std::uint8_t* readings = scan.readings + t / bytes * bytes;
     std::uint32_t counts[4] = {};
-    for (int k = 0; k < 8 && first + k < width; ++k) {
-      const int d = depth[first + k];
+    std::uint32_t readings_here[8];
+#pragma GCC unroll 8
+    for (int k = 0; k < 8; ++k) {
+      const int d = first + k < width ? depth[first + k] : 0;
+      readings_here[k] = static_cast<std::uint32_t>(d);
       counts[0] += d != 0 && d >= f.near_raw && d <= f.far_raw ? 1 : 0;
       counts[1] += d != 0 && d < f.near_raw ? 1 : 0;
       counts[2] += d != 0 && d >= f.near_raw && d > f.far_raw ? 1 : 0;
-      counts[3] += d == 0 ? 1 : 0;
-      if (d != 0) continue;
-      const std::uint32_t left = left_of(readings, depth, t % bytes, k);
-      const std::uint32_t right = right_of(readings, depth, t % bytes, k, bytes);
-      m.ends[0][(v + kPadding) * f.shapes[0].stride + kPadding + first + k] =
-          static_cast<std::uint16_t>(least(left, right));
+      counts[3] += d == 0 && first + k < width ? 1 : 0;
+    }
+    if (counts[3] != 0) {
+      std::uint16_t* ends = m.ends[0] + (v + kPadding) * f.shapes[0].stride + kPadding + first;
+      std::uint32_t left[8];
+      std::uint32_t bound = left_of(readings, depth, t % bytes);
+#pragma GCC unroll 8
+      for (int k = 0; k < 8; ++k) {
+        left[k] = bound;
+        bound = readings_here[k] != 0 ? readings_here[k] : bound;
+      }
+      bound = right_of(readings, depth, t % bytes, bytes);
+#pragma GCC unroll 8
+      for (int k = 7; k >= 0; --k) {
+        if (readings_here[k] == 0 && first + k < width) ends[k] = static_cast<std::uint16_t>(least(left[k], bound));
+        bound = readings_here[k] != 0 ? readings_here[k] : bound;
+      }
     }
     for (int c = 0; c < 4; ++c) {
       if (counts[c] != 0) atomic_add(&scan.counts[c], counts[c]);

@@ -135,16 +135,4 @@ inline G3D_GPU void fill_windows(const Block& block, const Memory& m, const Fram
   });
 }
 
-/// Farthest end within a window of 1..7 cells that begins at a padded cell.
-inline G3D_GPU std::uint32_t window_maximum(const FrameParams& f, const Memory& m, int level, int cells, int x, int y) {
-  const int stride = f.shapes[level].stride;
-  const int first = y * stride + x;
-  if (cells == 1) return m.ends[level][first];
-  const std::uint16_t* image = cells >= 4 ? m.four[level] : m.two;
-  const int shift = cells >= 4 ? cells - 4 : cells - 2;
-  if (shift == 0) return image[first];
-  return most(most(image[first], image[first + shift]),
-              most(image[first + shift * stride], image[first + shift * stride + shift]));
-}
-
 }  // namespace g3d::mapper::cuda
