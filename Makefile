@@ -58,7 +58,7 @@ PTX := $(BUILD)/kernels.ptx
 HELPER := $(BUILD)/g3dmap-helper
 PTX_CLANG ?= $(shell command -v clang++)
 PTX_FLAGS := -x cuda --cuda-device-only --cuda-gpu-arch=sm_62 --cuda-path=/nonexistent -nocudainc -nocudalib -std=c++20 -O3 \
-  -ffp-contract=off -fms-extensions -Xclang -target-feature -Xclang +ptx63 -I. -S
+  -ffp-contract=off -fms-extensions -mllvm -inline-threshold=100000 -Xclang -target-feature -Xclang +ptx63 -I. -S
 $(PTX): mapper/cuda/kernels.cu
 	@mkdir -p $(@D)
 	$(SAY) $@
