@@ -111,7 +111,7 @@ CameraPath CameraPath::laps(int count) const {
       waypoints.push_back({knots_[i].t_s + lap * period_s, knots_[i].value});
     }
   }
-  return CameraPath(std::move(waypoints));
+  return CameraPath(waypoints);
 }
 
 Result<CameraPath> parse_camera_path(std::string_view text, std::string_view file) {
@@ -153,7 +153,7 @@ Result<CameraPath> parse_camera_path(std::string_view text, std::string_view fil
     return Error{Reason::malformed,
                  fmt::format("{}: no waypoint in it; one per line: t_s x y z yaw_deg pitch_deg", file)};
   }
-  return CameraPath(std::move(waypoints));
+  return CameraPath(waypoints);
 }
 
 }  // namespace g3d::hal
