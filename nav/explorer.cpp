@@ -22,6 +22,7 @@ constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at be
 constexpr double kGainPerDrive_cellps = 0.3;          ///< cells of 5 cm that a second of driving must show at least
 constexpr double kTurnAround_rad = 6.283185307179586;
 constexpr int kGlancesPerLook = 2;  ///< so many glances on the way in vain count like one look of its own
+constexpr double kAllInVain = 0.9;  ///< of what a look was to show is still hidden
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
 constexpr double kPatienceFactor = 4.0;
@@ -141,7 +142,13 @@ bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
 /// elsewhere if it was glanced at from several places before.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
   const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
-  const int least_weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
+  double still_cells = 0.0;
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    still_cells += static_cast<double>(ray.cells);
+  }
+  // A look that has shown nothing at all would show nothing a second time.
+  const bool all_in_vain = still_cells >= kAllInVain * static_cast<double>(goal.view.gain_cells);
+  const int least_weight = promised < kRichViews_cells[1] ? config.max_tries : all_in_vain ? 2 : 1;
   for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
     if (ray.entry == RayGain::kNothing) continue;
     const std::uint32_t target = search.targets().of_cell(ray.entry);
@@ -323,9 +330,9 @@ void Explorer::goal_reached() { state_->reached = true; }
 
 void Explorer::goal_failed(GoalFailure) { state_->failed = true; }
 
-void Explorer::start_again(const CellGrid<CellState>& ground) {
+void Explorer::start_again() {
   State& s = *state_;
-  s.reset_aside(ground);
+  s.aside.forgive_blocked();
   s.stage = State::Stage::exploring;
   s.goal.active = s.is_searching = s.reached = s.failed = false;
   s.home_failures = 0;

@@ -55,7 +55,7 @@ class Explorer final : public GoalChooser {
                   std::span<const std::uint32_t> changed_cells) override;
   void goal_reached() override;
   void goal_failed(GoalFailure reason) override;
-  void start_again(const CellGrid<CellState>& ground) override;
+  void start_again() override;
   void set_home(const PlanarPose& T_world_home) override;
   void set_energy_left(double seconds) override;
   void return_home() override;

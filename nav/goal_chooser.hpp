@@ -66,8 +66,9 @@ class GoalChooser {
   virtual void goal_reached() = 0;
   virtual void goal_failed(GoalFailure reason) = 0;
 
-  /// Forgets what it has given up, and goes on exploring: something that was closed has opened.
-  virtual void start_again(const CellGrid<CellState>& ground) = 0;
+  /// Goes on exploring, also to what could not be reached: something that was closed has opened. What was looked at in
+  /// vain stays given up.
+  virtual void start_again() = 0;
 
   virtual void set_home(const PlanarPose& T_world_home) = 0;
   /// Seconds of driving that the battery still gives; infinite until set.

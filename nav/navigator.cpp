@@ -144,7 +144,7 @@ void Navigator::judge_closed_way(ClosedWayCheck::Finding finding, TimeNs now) {
 }
 
 void Navigator::explore_again() {
-  chooser_->start_again(floor_.states());
+  chooser_->start_again();
   pursuit_.clear();
 }
 

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nav/tight_places.hpp"
+
 namespace g3d::nav {
 namespace {
 
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
 constexpr int kLook_units = 250;
+constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
 }  // namespace
 
@@ -44,7 +47,7 @@ void Viewpoints::note_changes(std::span<const std::uint32_t> changed) {
   for (const std::uint32_t i : changed) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)] = round_;
+    changed_in_[tile_at(x, y)] = round_;
   }
 }
 
@@ -54,12 +57,12 @@ void Viewpoints::mark_sight_of_frontiers(const FrontierMap& frontiers, int reach
   for (const std::uint32_t i : frontiers.cells()) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    const std::uint32_t tile = static_cast<std::uint32_t>(y * tile_columns_ + x);
+    const std::uint32_t tile = static_cast<std::uint32_t>(tile_at(x, y));
     if (tile == last_tile || (near_frontier_[tile] & 2U) != 0) continue;
     last_tile = tile;
     for (int ty = std::max(y - reach_tiles, 0); ty <= std::min(y + reach_tiles, tile_rows_ - 1); ++ty) {
       for (int tx = std::max(x - reach_tiles, 0); tx <= std::min(x + reach_tiles, tile_columns_ - 1); ++tx) {
-        near_frontier_[static_cast<std::size_t>(ty * tile_columns_ + tx)] |= 1U;
+        near_frontier_[tile_at(tx, ty)] |= 1U;
       }
     }
     near_frontier_[tile] |= 2U;
@@ -70,7 +73,7 @@ std::uint32_t Viewpoints::newest_change(int tile_x, int tile_y) const {
   std::uint32_t newest = 0;
   for (int y = std::max(tile_y - reach_tiles_, 0); y <= std::min(tile_y + reach_tiles_, tile_rows_ - 1); ++y) {
     for (int x = std::max(tile_x - reach_tiles_, 0); x <= std::min(tile_x + reach_tiles_, tile_columns_ - 1); ++x) {
-      newest = std::max(newest, changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)]);
+      newest = std::max(newest, changed_in_[tile_at(x, y)]);
     }
   }
   return newest;
@@ -104,13 +107,14 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
     const std::uint32_t road = from_robot.reached[next_];
     const int px = static_cast<int>(road) % roads.columns() / kRoadsPerPlace;
     const int py = static_cast<int>(road) / roads.columns() / kRoadsPerPlace;
-    const std::size_t place = static_cast<std::size_t>(py * place_columns_ + px);
+    const std::size_t place =
+        static_cast<std::size_t>(py) * static_cast<std::size_t>(place_columns_) + static_cast<std::size_t>(px);
     if (visited_in_[place] == pass_) continue;
     visited_in_[place] = pass_;
     const int tx = std::min(px * kRoadsPerPlace * roads.stride() / tile_cells_, tile_columns_ - 1);
     const int ty = std::min(py * kRoadsPerPlace * roads.stride() / tile_cells_, tile_rows_ - 1);
     std::uint32_t& slot = slot_of_[place];
-    if (near_frontier_[static_cast<std::size_t>(ty * tile_columns_ + tx)] == 0) {
+    if (near_frontier_[tile_at(tx, ty)] == 0) {
       if (slot != kNoSlot) free_slots_.push_back(slot);
       slot = kNoSlot;
       cast_in_[place] = 0;
@@ -131,7 +135,7 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
 }
 
 bool Viewpoints::is_outdated(std::size_t place, int tile_x, int tile_y) {
-  const std::size_t tile = static_cast<std::size_t>(tile_y * tile_columns_ + tile_x);
+  const std::size_t tile = tile_at(tile_x, tile_y);
   if (newest_round_[tile] != round_) {
     newest_round_[tile] = round_;
     newest_near_[tile] = newest_change(tile_x, tile_y);
@@ -145,7 +149,7 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
   const int py = static_cast<int>(place) / place_columns_;
   Cell best;
   std::uint32_t best_road = 0;
-  int best_cost = 256;
+  int best_cost = kNoPlace;
   for (int k = 0; k < kRoadsPerPlace * kRoadsPerPlace; ++k) {
     const int rx = px * kRoadsPerPlace + k % kRoadsPerPlace;
     const int ry = py * kRoadsPerPlace + k / kRoadsPerPlace;
@@ -160,11 +164,11 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
   }
   cast_in_[place] = round_;
   std::uint32_t& slot = slot_of_[place];
-  if (best_cost < 256 && slot == kNoSlot && !free_slots_.empty()) {
+  if (best_cost < kNoPlace && slot == kNoSlot && !free_slots_.empty()) {
     slot = free_slots_.back();
     free_slots_.pop_back();
   }
-  if (best_cost < 256 && slot != kNoSlot) {
+  if (best_cost < kNoPlace && slot != kNoSlot) {
     Place& p = slots_[slot];
     p.cell = best;
     p.road = best_road;
@@ -172,7 +176,7 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
     p.total_cells = 0.0F;
     for (const RayGain& ray : p.gain) p.total_cells += ray.cells;
   }
-  if (slot != kNoSlot && (best_cost == 256 || slots_[slot].total_cells < 0.5F)) {
+  if (slot != kNoSlot && (best_cost == kNoPlace || slots_[slot].total_cells < 0.5F)) {
     free_slots_.push_back(slot);
     slot = kNoSlot;
   }

@@ -244,7 +244,33 @@ TEST_CASE("a goal that is over while it decides is not chosen again by what was 
   CHECK_FALSE(second.goal == first.goal);
 }
 
-TEST_CASE("starting again forgets what was given up") {
+TEST_CASE("looks that show nothing end soon, by name, and starting again does not repeat them") {
+  Run run("house");
+  ExplorerConfig config;
+  config.look_around_first = false;
+  config.set_aside_s = 5.0;
+  Explorer explorer(config);
+  const auto decide = [&](TimeNs now) {
+    return tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, run.start, now);
+  };
+  TimeNs now = 0;
+  PlanarPose places[2];
+  int looks = 0;
+  for (; looks < 200 && decide(now).kind == DecisionKind::goal; ++looks, now += kSecond) {
+    const PlanarPose goal = decide(now).goal;
+    CHECK_FALSE((looks > 1 && goal == places[0] && goal == places[1]));  // not three times in a row
+    places[looks % 2] = goal;
+    explorer.goal_reached();
+  }
+  const Decision end = decide(now);
+  CHECK(end.kind != DecisionKind::goal);
+  CHECK(end.left[LeftReason::fruitless] > 0);
+  CHECK(end.left.open == 0);
+  explorer.start_again();
+  CHECK(decide(now + kSecond).kind != DecisionKind::goal);
+}
+
+TEST_CASE("starting again tries anew what could not be reached") {
   Run run("house");
   ExplorerConfig config;
   config.look_around_first = false;
@@ -259,7 +285,7 @@ TEST_CASE("starting again forgets what was given up") {
     explorer.goal_failed(GoalFailure::no_path);
   }
   REQUIRE(decide(now).kind != DecisionKind::goal);
-  explorer.start_again(run.sim->ground());
+  explorer.start_again();
   const Decision again = decide(now + kSecond);
   CHECK(again.kind == DecisionKind::goal);
   CHECK(again.goal == first.goal);
