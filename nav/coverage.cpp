@@ -17,11 +17,14 @@ bool has_obstacle_around(const CellGrid<CellState>& ground, Cell c) {
 }  // namespace
 
 double CoverageMeter::fraction(const CellGrid<CellState>& ground) const {
-  return hal::coverage(*observable_, [&](double x_m, double y_m, hal::SeenCell seen) {
-    const Cell c = ground.cell_of(x_m, y_m);
-    if (!ground.contains(c)) return false;
-    return seen == hal::SeenCell::free ? ground.at(c) != CellState::unknown : has_obstacle_around(ground, c);
-  });
+  return hal::coverage(*observable_,
+                       [&](double x_m, double y_m, hal::SeenCell seen) { return is_known(ground, x_m, y_m, seen); });
+}
+
+bool CoverageMeter::is_known(const CellGrid<CellState>& ground, double x_m, double y_m, hal::SeenCell seen) {
+  const Cell c = ground.cell_of(x_m, y_m);
+  if (!ground.contains(c)) return false;
+  return seen == hal::SeenCell::free ? ground.at(c) != CellState::unknown : has_obstacle_around(ground, c);
 }
 
 }  // namespace g3d::nav

@@ -14,6 +14,8 @@ class CoverageMeter {
   /// `observable` outlives the meter.
   explicit CoverageMeter(const hal::Observable& observable) : observable_(&observable) {}
 
+  /// Whether the map knows what can be seen at this place.
+  [[nodiscard]] static bool is_known(const CellGrid<CellState>& ground, double x_m, double y_m, hal::SeenCell seen);
   /// 0..1; 1 if there is nothing to be seen.
   [[nodiscard]] double fraction(const CellGrid<CellState>& ground) const;
 

@@ -315,6 +315,17 @@ std::optional<Decision> Explorer::decide(const CellGrid<CellState>& ground, cons
   return s.take_tour(ground, T_world_base, now);
 }
 
+void Explorer::work_ahead(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                          std::span<const std::uint32_t> changed_cells) {
+  State& s = *state_;
+  if (!s.has_geometry_of(ground)) return s.reset(ground, cost);
+  s.search.take_changes(ground, cost, changed_cells);
+  s.changes += changed_cells.size();
+  if (s.stage != State::Stage::exploring || s.is_searching) return;
+  WorkBudget budget(s.config.max_units_ahead_per_call);
+  s.search.work_ahead(ground, cost, budget);
+}
+
 void Explorer::goal_reached() { state_->reached = true; }
 
 void Explorer::goal_failed(GoalFailure) { state_->failed = true; }

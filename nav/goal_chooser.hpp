@@ -60,6 +60,8 @@ class GoalChooser {
                                                        const CellGrid<std::uint8_t>& cost,
                                                        std::span<const std::uint32_t> changed_cells,
                                                        const PlanarPose& T_world_base, TimeNs now) = 0;
+  /// In steps without a decision: a share of the work that the next one would have to do first.
+  virtual void work_ahead(const CellGrid<CellState>&, const CellGrid<std::uint8_t>&, std::span<const std::uint32_t>) {}
   /// The last decision was carried out: the pose stands there and the map holds what it saw.
   virtual void goal_reached() = 0;
   virtual void goal_failed(GoalFailure reason) = 0;

@@ -25,7 +25,8 @@ Way GoalPursuit::plan(Surroundings& floor, const hal::PlanarPose& T_world_base, 
   next_plan_ns_ = after(now, config_.plan_period_s);
   next_refresh_ns_ = after(now, config_.refresh_period_s);
   Way way = Way::open;
-  Route route = planner_.plan(floor.cost(), T_world_base, goal, config_.goal_tolerance_m);
+  const CellGrid<std::uint8_t>& cost = config_.known_cost != nullptr ? *config_.known_cost : floor.cost();
+  Route route = planner_.plan(cost, T_world_base, goal, config_.goal_tolerance_m, config_.through_unknown);
   if (route.status != PathStatus::found && may_retrace) {
     // It came that way: whoever stands there may be gone, and is seen from nearby.
     way = Way::own;

@@ -20,6 +20,9 @@ struct PursuitConfig {
   double refresh_period_s = 3.0;   ///< a path is planned anew so often though nothing is wrong with it
   double goal_tolerance_m = 0.25;  ///< how far a substitute may lie from a goal that cannot be stood on
   double shut_s = 0.4;             ///< nothing moves in front of a shut way for so long: trouble
+  bool through_unknown = false;    ///< paths may lead where nobody has looked
+  /// Costs of the whole building, for a yardstick that knows it; none: what the robot has seen counts.
+  const CellGrid<std::uint8_t>* known_cost = nullptr;
 };
 
 enum class Way : std::uint8_t {

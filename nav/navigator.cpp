@@ -112,7 +112,8 @@ void Navigator::decide(TimeNs now) {
   // A look around moves its goal's heading along with the robot: that is no other goal.
   const bool is_other = decision_.kind != followed_.kind || (!spin_.is_active() && !(decision_.goal == followed_.goal));
   if (!decision_.is_new && !is_other && !is_idle && decision_.kind != DecisionKind::done) return;
-  const bool is_left = !is_idle && decision_.kind == DecisionKind::goal && followed_.kind == DecisionKind::goal;
+  const bool is_left =
+      config_.is_steadfast && !is_idle && decision_.kind == DecisionKind::goal && followed_.kind == DecisionKind::goal;
   const bool is_committed = is_left && left_goals_.change(followed_.goal, decision_.goal, now);
   follow_decision(now);
   if (is_committed && !pursuit_.is_idle()) next_decision_ns_ = pursuit_.goal_until_ns();
@@ -344,7 +345,12 @@ hal::Twist Navigator::step(TimeNs now) {
   if (closed_way_.is_active()) {
     if (const auto finding = closed_way_.step(floor_.cost(), now)) judge_closed_way(*finding, now);
   }
-  if (!closed_way_.is_active() && now >= next_decision_ns_ && !recovery_.is_active()) decide(now);
+  if (!closed_way_.is_active() && now >= next_decision_ns_ && !recovery_.is_active()) {
+    decide(now);
+  } else {
+    chooser_->work_ahead(floor_.states(), floor_.cost(), floor_.changed_cells());
+    floor_.forget_changes();
+  }
   if (!mission_.is_driving()) return {};
   last_twist_ = drive(now);
   watch_progress(last_twist_, now);

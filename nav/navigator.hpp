@@ -60,6 +60,7 @@ struct NavigatorConfig {
   FollowerConfig follower;
   RecoveryConfig recovery;
   double decide_period_s = 1.0;
+  bool is_steadfast = true;  ///< a goal that is taken up again soon after it was left is driven to the end
   double home_tolerance_m = 0.30;
   double no_progress_s = 3.0;
   double lost_s = 180.0;       ///< without having got anywhere: it needs help,

@@ -59,7 +59,8 @@ RoutePlanner::RoutePlanner(std::size_t max_cells) : astar_(max_cells), smoother_
 }
 
 // The goal itself if the body fits there, else all cells of the nearest ring that has any.
-void RoutePlanner::choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, double tolerance_m) {
+void RoutePlanner::choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, double tolerance_m,
+                                bool through_unknown) {
   goals_.clear();
   const int reach = std::clamp(static_cast<int>(tolerance_m / cost.resolution_m), 0, kMaxTolerance_cells);
   for (int ring = 0; ring <= reach && goals_.empty(); ++ring) {
@@ -67,22 +68,25 @@ void RoutePlanner::choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, d
       for (int x = -ring; x <= ring; ++x) {
         if (std::max(std::abs(x), std::abs(y)) != ring) continue;
         const Cell c{goal.x + x, goal.y + y};
-        if (cost.contains(c) && cost.at(c) < kInscribedCost) goals_.push_back(c);
+        if (!cost.contains(c)) continue;
+        if (cost.at(c) < kInscribedCost || (through_unknown && cost.at(c) == kUnknownCost)) goals_.push_back(c);
       }
     }
   }
 }
 
 Route RoutePlanner::plan(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from, const hal::PlanarPose& to,
-                         double tolerance_m) {
-  choose_goals(cost, cost.cell_of(to.x_m, to.y_m), tolerance_m);
+                         double tolerance_m, bool through_unknown) {
+  choose_goals(cost, cost.cell_of(to.x_m, to.y_m), tolerance_m, through_unknown);
   Route route;
   points_.clear();
   if (goals_.empty()) {
     route.status = PathStatus::goal_blocked;
     return route;
   }
-  const PathResult path = astar_.plan(cost, cost.cell_of(from.x_m, from.y_m), goals_);
+  AStarOptions options;
+  options.steps.allow_unknown = through_unknown;
+  const PathResult path = astar_.plan(cost, cost.cell_of(from.x_m, from.y_m), goals_, options);
   route.status = path.status;
   route.expansions = path.expansions;
   if (path.status != PathStatus::found) return route;

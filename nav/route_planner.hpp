@@ -30,12 +30,13 @@ class RoutePlanner {
  public:
   explicit RoutePlanner(std::size_t max_cells);
 
-  /// `tolerance_m`: how far from the goal a substitute may lie; 0: none.
+  /// `tolerance_m`: how far from the goal a substitute may lie; 0: none. With `through_unknown`, what nobody has seen
+  /// may be free.
   Route plan(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from, const hal::PlanarPose& to,
-             double tolerance_m);
+             double tolerance_m, bool through_unknown = false);
 
  private:
-  void choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, double tolerance_m);
+  void choose_goals(const CellGrid<std::uint8_t>& cost, Cell goal, double tolerance_m, bool through_unknown);
 
   AStar astar_;
   PathSmoother smoother_;

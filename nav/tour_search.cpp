@@ -7,7 +7,8 @@ namespace g3d::nav {
 namespace {
 
 constexpr int kLevels = 3;
-constexpr std::int64_t kFrontierCell_units = 2;  // to sort and to group it, and to look around it
+constexpr std::int64_t kFrontierCellsPerUnit = 10;  // to mark the places around them
+constexpr std::int64_t kFrontierCell_units = 2;     // to sort and to group it, and to look around it
 
 }  // namespace
 
@@ -29,6 +30,7 @@ void TourSearch::reset(const CellGrid<CellState>& ground, const CellGrid<std::ui
 void TourSearch::take_changes(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
                               std::span<const std::uint32_t> changed) {
   if (changed.empty()) return;
+  has_changed_ = true;
   frontiers_.update(ground, changed);
   roads_.update(cost, changed);
   places_.note_changes(changed);
@@ -56,6 +58,7 @@ void TourSearch::begin(Cell at, const hal::PlanarPose& robot, const std::optiona
   allowed_ = std::move(allowed);
   roads_.begin_travel(roads_.road_of(at), TravelField::kNever - 100, from_robot_);
   step_ = Step::travelling;
+  is_ahead_ = true;
 }
 
 void TourSearch::begin_refresh(const CellGrid<CellState>& ground) {
@@ -74,6 +77,16 @@ void TourSearch::begin_tour() {
 void TourSearch::begin_explaining() {
   explanation_.begin();
   step_ = Step::explaining;
+}
+
+void TourSearch::work_ahead(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, WorkBudget& budget) {
+  if (is_ahead_ && !has_changed_) return;
+  if (is_ahead_) {
+    has_changed_ = is_ahead_ = false;
+    budget.spend(static_cast<std::int64_t>(frontiers_.cells().size()) / kFrontierCellsPerUnit);
+    places_.begin_refresh(frontiers_, *camera_, ground.resolution_m, config_.max_casts);
+  }
+  is_ahead_ = places_.go_on(ground, cost, roads_, from_robot_, *camera_, budget);
 }
 
 bool TourSearch::go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, SetAside& aside,

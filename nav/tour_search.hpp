@@ -49,6 +49,9 @@ class TourSearch {
   [[nodiscard]] bool go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, SetAside& aside,
                            WorkBudget& budget);
 
+  /// Between searches: looks anew from places around which the map has changed, so that the next search need not.
+  void work_ahead(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, WorkBudget& budget);
+
   // When it has said true:
   [[nodiscard]] std::span<const View> views() const { return tour_.views(); }
   [[nodiscard]] const FrontiersLeft& left() const { return left_; }
@@ -89,6 +92,9 @@ class TourSearch {
   std::function<bool(const Place&)> allowed_;
   int level_ = 0;  ///< of richness
   FrontiersLeft left_;
+
+  bool has_changed_ = false;  ///< since work_ahead() began
+  bool is_ahead_ = true;      ///< work_ahead() has come to an end
 };
 
 }  // namespace g3d::nav

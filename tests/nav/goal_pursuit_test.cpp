@@ -23,8 +23,8 @@ struct Scene {
   nav::GoalPursuit pursuit;
   hal::TimeNs now = 0;
 
-  explicit Scene(const std::vector<Box>& boxes)
-      : robot(boxes, {}), here(floor.map().grid(), config()), pursuit(here.states(), {}, {}) {
+  explicit Scene(const std::vector<Box>& boxes, const nav::PursuitConfig& pursued = {})
+      : robot(boxes, {}), here(floor.map().grid(), config()), pursuit(here.states(), {}, pursued) {
     look();
   }
   static nav::SurroundingsConfig config() {
@@ -109,4 +109,19 @@ TEST_CASE("A way that stays shut in front of the body is shut for long after a m
   CHECK(scene.pursuit.is_shut_for_long(shut_ns + kSecond_ns / 2));
   scene.pursuit.forget_shut();
   CHECK_FALSE(scene.pursuit.is_shut_for_long(shut_ns + kSecond_ns));
+}
+
+TEST_CASE("Who knows the building plans where the robot has not looked yet, and around what it has not seen") {
+  const std::vector<Box> boxes{{-1.2, -2.0, -1.0, 0.4}};
+  CHECK(Scene(boxes).plan({-2.0, 0.0, 0.0}) == Way::none);
+  const auto cost = tests::plain_costs(tests::known_floor(boxes, {-3, -3, 4, 3}), 0.215);
+  nav::PursuitConfig pursued;
+  pursued.known_cost = &cost;
+  Scene scene(boxes, pursued);
+  REQUIRE(scene.plan({-2.0, 0.0, 0.0}) == Way::open);
+  CHECK(scene.pursuit.follower().track().length_m() > 2.2);
+  scene.pursuit.allow_time(scene.now);
+  while (!scene.pursuit.has_arrived() && scene.now < 60 * kSecond_ns) scene.step();
+  CHECK(std::hypot(scene.robot.pose().x_m + 2.0, scene.robot.pose().y_m) < 0.2);
+  CHECK(scene.robot.contacts() == 0);
 }

@@ -49,6 +49,20 @@ TEST_CASE("Without a way it says so") {
   CHECK(route.points.empty());
 }
 
+TEST_CASE("Through what nobody has seen it plans only if told to, also to a goal there") {
+  auto cost = costs({{1.0, -4, 1.5, 4}});
+  for (int y = 0; y < cost.rows; ++y) {
+    for (int x = 0; x < cost.columns; ++x) {
+      if (cost.centre_x_m({x, y}) > 0.3) cost.at({x, y}) = nav::kUnknownCost;
+    }
+  }
+  nav::RoutePlanner planner(cost.cells.size());
+  CHECK(planner.plan(cost, {0, 0, 0}, {2.0, 0.0, 0.0}, 0.0).status == PathStatus::goal_blocked);
+  const nav::Route route = planner.plan(cost, {0, 0, 0}, {2.0, 0.0, 0.0}, 0.0, true);
+  REQUIRE(route.status == PathStatus::found);
+  CHECK(route.length_m == Approx(2.0).margin(0.1));
+}
+
 TEST_CASE("A goal in the robot's own cell is a route that is over") {
   const auto cost = costs({});
   nav::RoutePlanner planner(cost.cells.size());

@@ -96,3 +96,29 @@ TEST_CASE("The map may change between pieces: the next search knows all of it") 
     CHECK(scene.search.views()[i].heading_rad == fresh.search.views()[i].heading_rad);
   }
 }
+
+TEST_CASE("Work done ahead makes the next search shorter and changes nothing in it") {
+  Scene plain("house");
+  Scene ahead("house");
+  int pieces[2] = {0, 0};
+  for (Scene* scene : {&plain, &ahead}) {
+    scene->begin();
+    (void)scene->finish(1000);
+    scene->sim.step(0.3, 0.2);
+    scene->search.take_changes(scene->sim.ground(), scene->sim.cost(), scene->sim.take_changed());
+  }
+  for (int i = 0; i < 10'000; ++i) {
+    WorkBudget budget(300);
+    ahead.search.work_ahead(ahead.sim.ground(), ahead.sim.cost(), budget);
+  }
+  for (Scene* scene : {&plain, &ahead}) {
+    scene->begin();
+    pieces[scene == &ahead ? 1 : 0] = scene->finish(1000);
+  }
+  CHECK(pieces[1] < pieces[0]);
+  REQUIRE(ahead.search.views().size() == plain.search.views().size());
+  for (std::size_t i = 0; i < plain.search.views().size(); ++i) {
+    CHECK(ahead.search.views()[i].road == plain.search.views()[i].road);
+    CHECK(ahead.search.views()[i].heading_rad == plain.search.views()[i].heading_rad);
+  }
+}

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A yardstick: the tour that one would drive with full knowledge of the building. Views (place and heading) are chosen
-// by greedy set cover of what is observable, then ordered as a travelling salesman would (nearest neighbour, 2-opt,
-// or-opt) by the time of driving and turning.
+// A yardstick: the tour planned with full knowledge (tour_plan.hpp), driven in the flat simulation.
 #pragma once
 
 #include "tests/support/flat_run.hpp"
