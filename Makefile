@@ -58,7 +58,7 @@ PTX := $(BUILD)/kernels.ptx
 HELPER := $(BUILD)/g3dmap-helper
 PTX_CLANG ?= $(shell command -v clang++)
 PTX_FLAGS := -x cuda --cuda-device-only --cuda-gpu-arch=sm_62 --cuda-path=/nonexistent -nocudainc -nocudalib -std=c++20 -O3 \
-  -ffp-contract=off -fms-extensions -Xclang -target-feature -Xclang +ptx63 -I. -S
+  -ffp-contract=off -fms-extensions -mllvm -inline-threshold=100000 -Xclang -target-feature -Xclang +ptx63 -I. -S
 $(PTX): mapper/cuda/kernels.cu
 	@mkdir -p $(@D)
 	$(SAY) $@
@@ -170,9 +170,14 @@ format: ## clang-format in place
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
 	@clang-format --dry-run -Werror $(SOURCES)
 	scripts/check-house
-tidy: ## clang-tidy on everything (slow)
-	printf '%s\n' $(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) | xargs -P $$(nproc) -n 4 \
-	  sh -c 'clang-tidy --quiet "$$@" -- $(TIDY_FLAGS)' tidy
+# A stamp per source: what was clean is looked at again only when it, a header of it or the list of checks changed.
+tidy: $(patsubst %.cpp,build/tidy/%.ok,$(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) $(HELPER_SRC)) ## clang-tidy on what changed (slow at first; -j2 -k)
+build/tidy/%.ok: %.cpp .clang-tidy
+	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(CXX) $(TIDY_FLAGS) -MM -MP -MT $@ -MF $(@:.ok=.d) $<
+	$(Q)findings=$$(clang-tidy --quiet $< -- $(TIDY_FLAGS) 2>&1) || { echo "$$findings"; exit 1; }
+	@touch $@
 lint: house tidy ## house and tidy
 
 # The version is compiled into one object, and only when it changed.
@@ -226,4 +231,4 @@ $(BUILD)/%.o: %.cpp
 clean: ## removes build/
 	rm -rf build
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+-include $(shell find $(BUILD) build/tidy -name '*.d' 2>/dev/null)

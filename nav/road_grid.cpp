@@ -36,7 +36,8 @@ void RoadGrid::reset(const CellGrid<std::uint8_t>& cost, double body_radius_m) {
     list->clear();
     list->reserve(roads);
   }
-  for (auto* list : {&piece_, &largest_}) list->reserve(static_cast<std::size_t>(stride_ * stride_));
+  const auto stride = static_cast<std::size_t>(stride_);
+  for (auto* list : {&piece_, &largest_}) list->reserve(stride * stride);
   buckets_.resize(kBuckets);
   for (auto& bucket : buckets_) bucket.reserve(roads / 4 + 64);
   for (std::size_t i = 0; i < cost.cells.size(); ++i) may_stand_[i] = cost.cells[i] < kInscribedCost ? 1 : 0;
@@ -103,14 +104,14 @@ bool RoadGrid::are_joined(std::uint32_t road, int straight) const {
   if (rx + dx < 0 || ry + dy < 0 || rx + dx >= columns_ || ry + dy >= rows_) return false;
   const int x0 = dx > 0 ? (rx + 1) * stride_ - 1 : rx * stride_;
   const int y0 = dy > 0 ? (ry + 1) * stride_ - 1 : ry * stride_;
+  const auto is_in_piece = [&](int x, int y) {
+    return may_stand_[static_cast<std::uint32_t>(y * cell_columns_ + x)] == 2;
+  };
   for (int k = 0; k < stride_; ++k) {
     const int x = x0 + (dy != 0 ? k : 0);
     const int y = y0 + (dx != 0 ? k : 0);
     if (x >= cell_columns_ || y >= cell_rows_) break;
-    if (may_stand_[static_cast<std::size_t>(y * cell_columns_ + x)] == 2 &&
-        may_stand_[static_cast<std::size_t>((y + dy) * cell_columns_ + x + dx)] == 2) {
-      return true;
-    }
+    if (is_in_piece(x, y) && is_in_piece(x + dx, y + dy)) return true;
   }
   return false;
 }

@@ -22,7 +22,7 @@ constexpr int kMostAway_cells = 64;
 }  // namespace
 
 bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from) {
-  constexpr int kSide = 2 * kMostAway_cells + 1;
+  constexpr std::size_t kSide = 2 * kMostAway_cells + 1;
   const int reach = std::clamp(static_cast<int>(kAway_m / cost.resolution_m), 1, kMostAway_cells);
   const Cell start = cost.cell_of(from.x_m, from.y_m);
   if (!cost.contains(start)) return true;
@@ -32,7 +32,8 @@ bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& fro
   std::size_t end = 0;
   const auto meet = [&](int dx, int dy) {
     const Cell c{start.x + dx, start.y + dy};
-    bool& met = was_met[static_cast<std::size_t>((dy + kMostAway_cells) * kSide + dx + kMostAway_cells)];
+    bool& met = was_met[static_cast<std::size_t>(dy + kMostAway_cells) * kSide +
+                        static_cast<std::size_t>(dx + kMostAway_cells)];
     if (met || !cost.contains(c)) return;
     const bool is_near = std::max(std::abs(dx), std::abs(dy)) <= relief;
     if (cost.at(c) > (is_near ? kInscribedCost : kInscribedCost - 1)) return;

@@ -110,8 +110,10 @@ bool TightPlaces::fits(const CellGrid<CellState>& states, Cell c) const {
     for (int x = std::max(c.x - reach_cells_, 0); x <= std::min(c.x + reach_cells_, states.columns - 1); ++x) {
       if (states.at({x, y}) != CellState::occupied) continue;
       for (int k = 0; k < 9; ++k) {
-        const double dx = std::max(std::fabs(x - c.x - 0.5 * (k % 3 - 1)) - 0.5, 0.0);
-        const double dy = std::max(std::fabs(y - c.y - 0.5 * (k / 3 - 1)) - 0.5, 0.0);
+        const int column = k % 3 - 1;
+        const int row = k / 3 - 1;
+        const double dx = std::max(std::fabs(x - c.x - 0.5 * column) - 0.5, 0.0);
+        const double dy = std::max(std::fabs(y - c.y - 0.5 * row) - 0.5, 0.0);
         if (dx * dx + dy * dy < needed) is_open[static_cast<std::size_t>(k)] = false;
       }
     }

@@ -97,11 +97,9 @@ bool TourSearch::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
         if (!tour_.go_on({places_, roads_, from_robot_, robot_, targets_, aside.ignored(), allowed_}, budget)) {
           return false;
         }
-        if (!tour_.views().empty()) {
-          begin_explaining();
-        } else if (++level_ < kLevels) {
+        if (tour_.views().empty() && ++level_ < kLevels) {
           begin_tour();
-        } else if (!places_.is_complete() || aside.wake_all()) {
+        } else if (tour_.views().empty() && (!places_.is_complete() || aside.wake_all())) {
           begin_refresh(ground);
         } else {
           begin_explaining();

@@ -47,7 +47,7 @@ void Viewpoints::note_changes(std::span<const std::uint32_t> changed) {
   for (const std::uint32_t i : changed) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)] = round_;
+    changed_in_[tile_at(x, y)] = round_;
   }
 }
 
@@ -57,12 +57,12 @@ void Viewpoints::mark_sight_of_frontiers(const FrontierMap& frontiers, int reach
   for (const std::uint32_t i : frontiers.cells()) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    const std::uint32_t tile = static_cast<std::uint32_t>(y * tile_columns_ + x);
+    const std::uint32_t tile = static_cast<std::uint32_t>(tile_at(x, y));
     if (tile == last_tile || (near_frontier_[tile] & 2U) != 0) continue;
     last_tile = tile;
     for (int ty = std::max(y - reach_tiles, 0); ty <= std::min(y + reach_tiles, tile_rows_ - 1); ++ty) {
       for (int tx = std::max(x - reach_tiles, 0); tx <= std::min(x + reach_tiles, tile_columns_ - 1); ++tx) {
-        near_frontier_[static_cast<std::size_t>(ty * tile_columns_ + tx)] |= 1U;
+        near_frontier_[tile_at(tx, ty)] |= 1U;
       }
     }
     near_frontier_[tile] |= 2U;
@@ -73,7 +73,7 @@ std::uint32_t Viewpoints::newest_change(int tile_x, int tile_y) const {
   std::uint32_t newest = 0;
   for (int y = std::max(tile_y - reach_tiles_, 0); y <= std::min(tile_y + reach_tiles_, tile_rows_ - 1); ++y) {
     for (int x = std::max(tile_x - reach_tiles_, 0); x <= std::min(tile_x + reach_tiles_, tile_columns_ - 1); ++x) {
-      newest = std::max(newest, changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)]);
+      newest = std::max(newest, changed_in_[tile_at(x, y)]);
     }
   }
   return newest;
@@ -107,13 +107,14 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
     const std::uint32_t road = from_robot.reached[next_];
     const int px = static_cast<int>(road) % roads.columns() / kRoadsPerPlace;
     const int py = static_cast<int>(road) / roads.columns() / kRoadsPerPlace;
-    const std::size_t place = static_cast<std::size_t>(py * place_columns_ + px);
+    const std::size_t place =
+        static_cast<std::size_t>(py) * static_cast<std::size_t>(place_columns_) + static_cast<std::size_t>(px);
     if (visited_in_[place] == pass_) continue;
     visited_in_[place] = pass_;
     const int tx = std::min(px * kRoadsPerPlace * roads.stride() / tile_cells_, tile_columns_ - 1);
     const int ty = std::min(py * kRoadsPerPlace * roads.stride() / tile_cells_, tile_rows_ - 1);
     std::uint32_t& slot = slot_of_[place];
-    if (near_frontier_[static_cast<std::size_t>(ty * tile_columns_ + tx)] == 0) {
+    if (near_frontier_[tile_at(tx, ty)] == 0) {
       if (slot != kNoSlot) free_slots_.push_back(slot);
       slot = kNoSlot;
       cast_in_[place] = 0;
@@ -134,7 +135,7 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
 }
 
 bool Viewpoints::is_outdated(std::size_t place, int tile_x, int tile_y) {
-  const std::size_t tile = static_cast<std::size_t>(tile_y * tile_columns_ + tile_x);
+  const std::size_t tile = tile_at(tile_x, tile_y);
   if (newest_round_[tile] != round_) {
     newest_round_[tile] = round_;
     newest_near_[tile] = newest_change(tile_x, tile_y);

@@ -47,6 +47,10 @@ class Viewpoints {
   static constexpr std::uint32_t kNoSlot = 0xFFFFFFFF;
 
   void mark_sight_of_frontiers(const FrontierMap& frontiers, int reach_tiles);
+  [[nodiscard]] std::size_t tile_at(int tile_x, int tile_y) const {
+    return static_cast<std::size_t>(tile_y) * static_cast<std::size_t>(tile_columns_) +
+           static_cast<std::size_t>(tile_x);
+  }
   [[nodiscard]] std::uint32_t newest_change(int tile_x, int tile_y) const;
   [[nodiscard]] bool is_outdated(std::size_t place, int tile_x, int tile_y);
   void cast(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,

@@ -31,6 +31,13 @@ class DepthPyramid {
     int width = 0;
     int height = 0;
     std::vector<Range> cells;
+
+    [[nodiscard]] const Range* row(int y) const {
+      return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
+    [[nodiscard]] Range* row(int y) {
+      return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
   };
   std::vector<Level> levels_;  ///< levels_[0] has cells of 4 x 4 pixels
 };

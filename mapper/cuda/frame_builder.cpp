@@ -63,7 +63,9 @@ MemorySizes FrameBuilder::sizes() const {
 }
 
 void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number,
-                        FrameParams& out) const {
+                        FrameInput& input) const {
+  FrameParams& out = input.params;
+  input.counters = {};
   const hal::CameraModel& camera = sensor_.camera;
   out = FrameParams{};
   out.width_px = camera.width_px;
@@ -74,7 +76,8 @@ void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::
   out.with_colour = with_colour ? 1 : 0;
   out.free_by = free_by(config_);
   out.frame_number = frame_number;
-  out.steps = config_.steps;
+  out.hit_step = config_.steps.hit;
+  out.miss_step = config_.steps.miss;
   out.metres_per_unit = sensor_.metres_per_unit;
   out.units_per_metre = camera.depth_units_per_metre;
   out.resolution_m = sensor_.resolution_m;
@@ -96,10 +99,10 @@ void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::
          std::min(out.shapes[out.image_levels].width, out.shapes[out.image_levels].height) > 1) {
     ++out.image_levels;
   }
-  if (out.free_by == FreeBy::projection) fill_projection(frame, out);
+  if (out.free_by == FreeBy::projection) fill_projection(frame, out, input.tables);
 }
 
-void FrameBuilder::fill_projection(const cpu::FrameGeometry& frame, FrameParams& out) const {
+void FrameBuilder::fill_projection(const cpu::FrameGeometry& frame, FrameParams& out, FrameTables& tables) const {
   const cpu::ProjectiveTuning tuning;
   const cpu::ProjectiveFrame numbers = cpu::projective_frame(sensor_, frame, tuning);
   const cpu::VisibleBlocks visible(sensor_, frame, pyramid_, cpu::best_kernels(), numbers.window_px_m, numbers.bias_m);
@@ -108,7 +111,7 @@ void FrameBuilder::fill_projection(const cpu::FrameGeometry& frame, FrameParams&
   out.block_view = boxes.block_view;
   out.brick_view = boxes.brick_view;
   copy_to(boxes.super_middle_m, out.super_middle_m);
-  copy_to(boxes.block_middle_m, out.block_middle_m);
+  copy_to(boxes.block_middle_m, tables.block_middle_m);
   copy_to(boxes.brick_middle_m, out.brick_middle_m);
   copy_to(boxes.supers, out.supers);
   out.bias_m = numbers.bias_m;
@@ -141,9 +144,9 @@ void FrameBuilder::fill_projection(const cpu::FrameGeometry& frame, FrameParams&
       w.last_y = static_cast<float>(out.shapes[level].height + kPadding - 1);
     }
   }
-  cpu::fill_projection_tables(sensor_, frame, out.tables);
+  cpu::fill_projection_tables(sensor_, frame, tables.places);
   for (std::size_t brick = 0; brick < kBricks; ++brick) {
-    out.middle_units[brick] = cpu::middle_of_brick(out.tables.z_units, brick * kBrickSize);
+    out.middle_units[brick] = cpu::middle_of_brick(tables.places.z_units, brick * kBrickSize);
   }
 }
 

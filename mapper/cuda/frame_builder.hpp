@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FrameParams of a posed frame. The host computes them with the CPU twin's own functions.
+// FrameParams and FrameTables of a posed frame. The host computes them with the CPU twin's own functions.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ class FrameBuilder {
   /// `scan_mask` as for Mapper. `sensor` outlives this.
   FrameBuilder(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask);
 
-  void fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number, FrameParams& out) const;
+  void fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number, FrameInput& input) const;
 
   [[nodiscard]] MemorySizes sizes() const;
   /// The free scan mask of every pixel, none beyond far_m.
   [[nodiscard]] const std::vector<std::uint16_t>& mask() const { return mask_; }
 
  private:
-  void fill_projection(const cpu::FrameGeometry& frame, FrameParams& out) const;
+  void fill_projection(const cpu::FrameGeometry& frame, FrameParams& out, FrameTables& tables) const;
 
   MapperConfig config_;
   const cpu::SensorGeometry& sensor_;

@@ -44,7 +44,9 @@ struct FrameParams {
   std::int32_t with_colour;
   FreeBy free_by;
   std::uint32_t frame_number;
-  UpdateSteps steps;
+  std::uint8_t hit_step;  ///< UpdateSteps
+  std::uint8_t miss_step;
+  std::uint8_t reserved[2];
 
   float metres_per_unit;
   float units_per_metre;
@@ -62,7 +64,6 @@ struct FrameParams {
   cpu::BoxView block_view;
   cpu::BoxView brick_view;
   float super_middle_m[3];
-  float block_middle_m[3][64];
   float brick_middle_m[3][8];
   float bias_m;
   std::int32_t pyramid_levels;  ///< of the CPU twin, coarse ones included
@@ -84,7 +85,14 @@ struct FrameParams {
   ImageShape shapes[kImageLevels];
   WindowPlace windows[kImageLevels][kLargestWindow + 1];
   float middle_units[8];  ///< depth of a brick's middle behind the block's first voxel
-  cpu::ProjectionTables tables;
+};
+
+[[nodiscard]] constexpr UpdateSteps steps_of(const FrameParams& f) { return {f.hit_step, f.miss_step}; }
+
+/// Numbers that neighbouring threads read at different places.
+struct FrameTables {
+  float block_middle_m[3][64];  ///< see cpu::VisibleBlocks
+  cpu::ProjectionTables places;
 };
 
 /// What the kernels of one frame count. Zero at its start, copied back at its end.
@@ -104,6 +112,7 @@ struct FrameCounters {
 struct FrameInput {
   FrameParams params;
   FrameCounters counters;
+  FrameTables tables;
 };
 
 }  // namespace g3d::mapper::cuda

@@ -95,7 +95,8 @@ bool HelperProcess::spawn(std::span<const std::byte> program, std::string& probl
   const int file = low_file < 0 ? -1 : fcntl(low_file, F_DUPFD_CLOEXEC, kFirstSpareFile);
   const int memory = fcntl(memory_file_, F_DUPFD_CLOEXEC, kFirstSpareFile);
   const bool written = file >= 0 && memory >= 0 && write_all(file, program);
-  if (written) pid_ = fork();
+  // vfork: a process with a large map would take milliseconds to copy its page tables, on the mapper thread.
+  if (written) pid_ = vfork();
   if (written && pid_ == 0) {
     // Between fork and exec only what is safe there. Ctrl-C is meant for the program, which then ends the helper.
     setpgid(0, 0);

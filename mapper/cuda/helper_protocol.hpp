@@ -20,7 +20,7 @@ enum class HelperState : std::uint32_t { starting, ready, failed };
 enum class HelperCommand : std::uint32_t {
   import_blocks,
   run_frame,
-  run_frame_timed,   ///< as one graph, with the time that the card took for it in stage_us[0]
+  run_frame_timed,   ///< copies first; then how long the launches took, and what comes back, in stage_us[0] and [1]
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
   send_blocks,
   hang,  ///< for tests: never answers

@@ -35,6 +35,7 @@ struct WorkItem {
   std::uint32_t view;      ///< View
   float farthest_m;        ///< see cpu::BlockView
   float nearest_m;
+  GpuBlock old;  ///< as the frame found it
 };
 
 /// Slots of one kind. What is given back during a launch can be taken from the next frame on.
@@ -89,6 +90,7 @@ struct Memory {
   std::uint16_t* mask;
   // Images
   std::uint16_t* ends[kImageLevels];       ///< level 0: ray ends; above: maxima of 2x2 cells. Padded
+  std::uint16_t* strong[kImageLevels];  ///< the same of measured rays alone; level 0 follows from ends and depth
   std::uint16_t* four[kImageLevels];       ///< maxima over windows of 4x4 cells that begin there
   std::uint16_t* two;                      ///< 2x2, of level 0
   std::uint16_t* column_bound;             ///< nearest reading above and below a pixel without one
@@ -178,6 +180,7 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
     const ImageShape shape = level_shape(s.width_px, s.height_px, l);
     const std::size_t cells = static_cast<std::size_t>(shape.stride) * static_cast<std::size_t>(shape.rows) + 64;
     take(m.ends[l], cells);
+    take(m.strong[l], l > 0 ? cells : 0);
     take(m.four[l], cells);
     if (l == 0) take(m.two, cells);
     const std::size_t bare = static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);

@@ -38,8 +38,7 @@ bool Twin::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry
   changed_count_ = 0;
   if (!send_changes()) return false;
   FrameInput& input = card_->input();
-  builder_.fill(geometry, with_colour, frame_number, input.params);
-  input.counters = {};
+  builder_.fill(geometry, with_colour, frame_number, input);
   const std::size_t pixels = builder_.mask().size();
   std::memcpy(card_->depth(), frame.depth.get(), pixels * sizeof(std::uint16_t));
   if (with_colour) std::memcpy(card_->rgb(), frame.rgb.get(), 3 * pixels);

@@ -205,6 +205,28 @@ TEST_CASE("Cut off from where it came from it does not give up its goals, and go
   CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
 }
 
+TEST_CASE("Behind a door that proves too narrow to plan through it goes on by the way it came") {
+  // Goals beyond are still in reach for the explorer, whose grid is coarser, while the planner finds no path to any.
+  constexpr double kDoor_m = 0.6, kNarrow_m = 0.42, kMiddle_m = 2.0, kWall_m = 4.0, kBehind_m = 4.05;
+  std::vector<Box> boxes = room({0, 0, 8, 4});
+  boxes.push_back({kWall_m, 0, kBehind_m, kMiddle_m - kDoor_m / 2});
+  boxes.push_back({kWall_m, kMiddle_m + kDoor_m / 2, kBehind_m, 4});
+  boxes.push_back({1.6, 0, 1.75, 2.6});  // hides a third of the first room
+  int explored_all = 0;
+  for (const double start_x_m : {2.9, 3.0, 3.1, 3.2, 3.3}) {
+    World world(boxes, {start_x_m, kMiddle_m, 0.0}, kTwoRooms);
+    CAPTURE(start_x_m);
+    while (world.robot.pose().x_m < 4.6 && world.time_s() < 120) world.step();
+    REQUIRE(world.floor.coverage(inside(boxes)) < 0.8);
+    world.robot.boxes().push_back({kWall_m, kMiddle_m - kDoor_m / 2, kBehind_m, kMiddle_m - kNarrow_m / 2});
+    world.robot.boxes().push_back({kWall_m, kMiddle_m + kNarrow_m / 2, kBehind_m, kMiddle_m + kDoor_m / 2});
+    REQUIRE(world.reaches(MissionState::home, 300));
+    CHECK(world.robot.contacts() == 0);
+    explored_all += world.floor.coverage(inside(boxes)) > 0.98 ? 1 : 0;
+  }
+  CHECK(explored_all >= 4);  // the follower has two centimetres to spare, and may give its goals up in the door
+}
+
 TEST_CASE("A person's word counts: pause, resume, stop, come home") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   world.run(12);

@@ -42,7 +42,8 @@ bool CardSession::start(HelperControl& control) {
     put_text(control.problem, sizeof control.problem, "no NVIDIA driver here: ", missing, " is missing");
     return false;
   }
-  return make_context() && load_kernels() && make_memory() && make_graph();
+  return make_context() && load_kernels() && make_memory() && make_graph(whole_graph_, true) &&
+         make_graph(launch_graph_, false);
 }
 
 bool CardSession::make_context() {
@@ -55,7 +56,9 @@ bool CardSession::make_context() {
   control_->processors = processors_;
   driver_.primary_context_set_flags(device_, kSpin);
   if (!check(driver_.primary_context_retain(&context, device_), "context") ||
-      !check(driver_.context_set_current(context), "context") || !check(driver_.stream_create(&stream_, 1), "stream")) {
+      !check(driver_.context_set_current(context), "context") || !check(driver_.stream_create(&stream_, 1), "stream") ||
+      !check(driver_.stream_create(&copy_stream_, 1), "stream") || !check(driver_.event_create(&begun_, 0), "event") ||
+      !check(driver_.event_create(&colour_there_, 0), "event")) {
     return false;
   }
   for (CuHandle& event : events_) {
@@ -79,8 +82,12 @@ bool CardSession::load_kernels() {
     if (!check(driver_.module_get_function(&kernels_[i], module, kNames[i]), kNames[i])) return false;
   }
   std::size_t bytes = 0;
-  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map")) return false;
-  if (bytes == sizeof(Memory)) return true;
+  std::size_t param_bytes = 0;
+  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map") ||
+      !check(driver_.module_get_global(&params_symbol_, &param_bytes, module, "frame_params"), "frame_params")) {
+    return false;
+  }
+  if (bytes == sizeof(Memory) && param_bytes == sizeof(FrameParams)) return true;
   put_text(control_->problem, sizeof control_->problem, "kernels and helper are of different builds", "", "");
   return false;
 }
@@ -120,15 +127,15 @@ bool CardSession::make_memory() {
          check(driver_.copy_to_card(memory_symbol_, &memory_, sizeof memory_), "memory of the card");
 }
 
-bool CardSession::make_graph() {
+bool CardSession::make_graph(CuHandle& graph, bool with_copies) {
   if (driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
       driver_.graph_instantiate == nullptr || driver_.graph_launch == nullptr) {
     return true;
   }
-  CuHandle graph = nullptr;
-  return check(driver_.stream_begin_capture(stream_, kRelaxedCapture), "graph") && launch_frame(kScan, kKernelCount) &&
-         check(driver_.stream_end_capture(stream_, &graph), "graph") &&
-         check(driver_.graph_instantiate(&graph_, graph, 0), "graph");
+  CuHandle captured = nullptr;
+  return check(driver_.stream_begin_capture(stream_, kRelaxedCapture), "graph") && launch_frame(with_copies) &&
+         check(driver_.stream_end_capture(stream_, &captured), "graph") &&
+         check(driver_.graph_instantiate(&graph, captured, 0), "graph");
 }
 
 bool CardSession::launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments) {
@@ -137,65 +144,90 @@ bool CardSession::launch(Kernel kernel, unsigned blocks, unsigned threads, void*
 }
 
 /// The same grids for every frame: blocks of threads stride over what there is.
-bool CardSession::launch_frame(int first_kernel, int end_kernel) {
+bool CardSession::launch_step(int kernel) {
   const MemorySizes& s = control_->sizes;
   const unsigned pixel_tiles = tiles(s.width_px, 32) * tiles(s.height_px, 8);
-  for (int i = first_kernel; i < end_kernel; ++i) {
-    bool ok = true;
-    std::uint32_t first = 0;
-    std::uint32_t room = control_->room;
-    void* arguments[] = {&parcels_, &card_counters_, &first, &room};
-    switch (static_cast<Kernel>(i)) {
-      case kScan:
-        ok = launch(kScan, tiles(s.width_px, 16) + pixel_tiles + s.height_px + 1, kPixelThreads, nullptr);
-        break;
-      case kReduce:
-        ok = launch(kReduce, tiles(s.width_px, 64) * tiles(s.height_px, 64) + pixel_tiles, kPixelThreads, nullptr);
-        break;
-      case kWalk:
-        if (s.walks_rays != 0) ok = launch(kWalk, pixel_tiles, kPixelThreads, nullptr);
-        break;
-      case kFind:
-        ok = launch(kFind, 8 * processors_, kPixelThreads, nullptr);
-        break;
-      case kUpdate:
-        ok = launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
-        break;
-      case kExport:
-        ok = launch(kExport, 8 * processors_, kUpdateThreads, arguments);
-        break;
-      default:
-        break;
+  switch (static_cast<Kernel>(kernel)) {
+    case kScan: {
+      const unsigned rows_together = kPixelThreads / tiles(s.width_px, 8);
+      const unsigned tasks = tiles(s.width_px, 8) + tiles(s.height_px, rows_together) + pixel_tiles + 1;
+      return launch(kScan, tasks, kPixelThreads, nullptr);
     }
-    if (!ok) return false;
+    case kReduce:
+      return launch(kReduce, tiles(s.width_px, 64) * tiles(s.height_px, 64) + pixel_tiles, kPixelThreads, nullptr);
+    case kWalk:
+      return s.walks_rays == 0 || launch(kWalk, pixel_tiles, kPixelThreads, nullptr);
+    case kFind:
+      return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
+    case kUpdate:
+      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
+    default:
+      return launch_export(0);
   }
-  return true;
 }
 
-bool CardSession::copy_input() {
-  return check(driver_.copy_to_card_async(base_, shared<const char>(control_->input), control_->input_bytes, stream_),
+bool CardSession::launch_export(std::uint32_t first) {
+  std::uint32_t room = control_->room;
+  void* arguments[] = {&parcels_, &card_counters_, &first, &room};
+  return launch(kExport, 8 * processors_, kUpdateThreads, arguments);
+}
+
+/// Everything of the input but the colours, and the parameters to where the kernels read them.
+bool CardSession::copy_depth() {
+  const char* input = shared<const char>(control_->input);
+  const std::uint64_t bytes = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
+  return check(driver_.copy_to_card_async(params_symbol_, input, sizeof(FrameParams), stream_), "input") &&
+         check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
+}
+
+bool CardSession::copy_colour(CuHandle stream) {
+  const std::uint64_t first = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
+  return check(driver_.copy_to_card_async(base_ + first, shared<const char>(control_->input) + first,
+                                          control_->input_bytes - first, stream),
                "input");
 }
 
-bool CardSession::run_frame(bool timed) {
-  if (!copy_input()) return false;
-  if (timed && !check(driver_.event_record(events_[0], stream_), "event")) return false;
-  const bool launched =
-      graph_ != nullptr ? check(driver_.graph_launch(graph_, stream_), "graph") : launch_frame(kScan, kKernelCount);
-  if (!launched || (timed && !check(driver_.event_record(events_[1], stream_), "event"))) return false;
-  if (!check(driver_.stream_synchronize(stream_), "frame")) return false;
-  if (timed) {
-    float ms = 0.0F;
-    if (!check(driver_.event_elapsed_time(&ms, events_[0], events_[1]), "event")) return false;
-    control_->stage_us[0] = 1000.0F * ms;
+/// Colours are needed last: they are copied beside the first launches.
+bool CardSession::launch_frame(bool with_copies) {
+  if (with_copies &&
+      !(check(driver_.event_record(begun_, stream_), "event") &&
+        check(driver_.stream_wait_event(copy_stream_, begun_, 0), "event") && copy_depth() &&
+        copy_colour(copy_stream_) && check(driver_.event_record(colour_there_, copy_stream_), "event"))) {
+    return false;
   }
-  return fetch_parcels(0);
+  for (int kernel = kScan; kernel < kUpdate; ++kernel) {
+    if (!launch_step(kernel)) return false;
+  }
+  if (with_copies && !check(driver_.stream_wait_event(stream_, colour_there_, 0), "event")) return false;
+  return launch_step(kUpdate);
+}
+
+bool CardSession::run_frame() {
+  const bool launched =
+      whole_graph_ != nullptr ? check(driver_.graph_launch(whole_graph_, stream_), "graph") : launch_frame(true);
+  return launched && launch_export(0) && check(driver_.stream_synchronize(stream_), "frame") && fetch_parcels(0);
+}
+
+/// Events around the launches of the frame, and around what comes back; the copies are through by then.
+bool CardSession::run_timed() {
+  bool ok = copy_depth() && copy_colour(stream_) && check(driver_.stream_synchronize(stream_), "input") &&
+            check(driver_.event_record(events_[0], stream_), "event");
+  ok = ok &&
+       (launch_graph_ != nullptr ? check(driver_.graph_launch(launch_graph_, stream_), "graph") : launch_frame(false));
+  ok = ok && check(driver_.event_record(events_[1], stream_), "event") && launch_export(0) &&
+       check(driver_.event_record(events_[2], stream_), "event") && check(driver_.stream_synchronize(stream_), "frame");
+  for (int i = 0; ok && i < 2; ++i) {
+    float ms = 0.0F;
+    ok = check(driver_.event_elapsed_time(&ms, events_[i], events_[i + 1]), "event");
+    control_->stage_us[i] = 1000.0F * ms;
+  }
+  return ok && fetch_parcels(0);
 }
 
 bool CardSession::run_stages() {
-  bool ok = check(driver_.event_record(events_[0], stream_), "event") && copy_input();
+  bool ok = check(driver_.event_record(events_[0], stream_), "event") && copy_depth() && copy_colour(stream_);
   for (int i = kScan; ok && i < kKernelCount; ++i) {
-    ok = check(driver_.event_record(events_[i], stream_), "event") && launch_frame(i, i + 1);
+    ok = check(driver_.event_record(events_[i], stream_), "event") && launch_step(i);
   }
   ok = ok && check(driver_.event_record(events_[kKernelCount], stream_), "event") &&
        check(driver_.stream_synchronize(stream_), "frame");
@@ -227,10 +259,7 @@ bool CardSession::import_blocks(std::uint32_t count) {
 }
 
 bool CardSession::send_blocks(std::uint32_t first) {
-  std::uint32_t room = control_->room;
-  void* arguments[] = {&parcels_, &card_counters_, &first, &room};
-  return launch(kExport, 8 * processors_, kUpdateThreads, arguments) &&
-         check(driver_.stream_synchronize(stream_), "parcels") && fetch_parcels(first);
+  return launch_export(first) && check(driver_.stream_synchronize(stream_), "parcels") && fetch_parcels(first);
 }
 
 bool CardSession::fetch_parcels(std::uint32_t first) {
@@ -256,9 +285,9 @@ bool CardSession::obey() {
     case HelperCommand::import_blocks:
       return import_blocks(control_->count);
     case HelperCommand::run_frame:
-      return run_frame(false);
+      return run_frame();
     case HelperCommand::run_frame_timed:
-      return run_frame(true);
+      return run_timed();
     case HelperCommand::run_stages_timed:
       return run_stages();
     case HelperCommand::send_blocks:

@@ -21,11 +21,16 @@ class CardSession {
   [[nodiscard]] bool make_context();
   [[nodiscard]] bool load_kernels();
   [[nodiscard]] bool make_memory();
-  [[nodiscard]] bool make_graph();
+  [[nodiscard]] bool make_graph(CuHandle& graph, bool with_copies);
   [[nodiscard]] bool launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments);
-  [[nodiscard]] bool launch_frame(int first_kernel, int end_kernel);
-  [[nodiscard]] bool copy_input();
-  [[nodiscard]] bool run_frame(bool timed);
+  /// One launch of a frame; nothing where the integrator has none.
+  [[nodiscard]] bool launch_step(int kernel);
+  [[nodiscard]] bool launch_export(std::uint32_t first);
+  [[nodiscard]] bool copy_depth();
+  [[nodiscard]] bool copy_colour(CuHandle stream);
+  [[nodiscard]] bool launch_frame(bool with_copies);
+  [[nodiscard]] bool run_frame();
+  [[nodiscard]] bool run_timed();
   [[nodiscard]] bool run_stages();
   [[nodiscard]] bool import_blocks(std::uint32_t count);
   [[nodiscard]] bool send_blocks(std::uint32_t first);
@@ -40,9 +45,14 @@ class CardSession {
   int device_ = 0;
   CuHandle stream_ = nullptr;
   CuHandle kernels_[kKernelCount] = {};
-  CuHandle graph_ = nullptr;
+  CuHandle copy_stream_ = nullptr;
+  CuHandle whole_graph_ = nullptr;   ///< copies and launches
+  CuHandle launch_graph_ = nullptr;  ///< launches alone
   CuHandle events_[kStages + 1] = {};
+  CuHandle begun_ = nullptr;  ///< between the two streams
+  CuHandle colour_there_ = nullptr;
   CuDevicePointer memory_symbol_ = 0;
+  CuDevicePointer params_symbol_ = 0;
   CuDevicePointer base_ = 0;
   CuDevicePointer card_counters_ = 0;
   Memory memory_{};

@@ -46,6 +46,7 @@ const char* load_driver(Driver& d) {
       entry("cuLaunchKernel", d.launch_kernel),
       entry("cuEventCreate", d.event_create),
       entry("cuEventRecord", d.event_record),
+      entry("cuStreamWaitEvent", d.stream_wait_event),
       entry("cuEventElapsedTime", d.event_elapsed_time),
       entry("cuGetErrorName", d.get_error_name),
       entry("cuStreamBeginCapture_v2", d.stream_begin_capture, false),

@@ -26,9 +26,11 @@ inline G3D_GPU std::uint32_t find_block(const Memory& m, std::uint64_t key) {
 
 /// kNone when the pool is full.
 inline G3D_GPU std::uint32_t take(GpuPool& pool, const std::uint32_t* free_slots) {
-  const std::int32_t left = atomic_add(&pool.free_count, -1);
-  if (left > 0) return free_slots[left - 1];
-  atomic_add(&pool.free_count, 1);
+  if (*static_cast<volatile std::int32_t*>(&pool.free_count) > 0) {
+    const std::int32_t left = atomic_add(&pool.free_count, -1);
+    if (left > 0) return free_slots[left - 1];
+    atomic_add(&pool.free_count, 1);
+  }
   const std::uint32_t next = atomic_add(&pool.high_water, 1U);
   if (next < pool.capacity) return next;
   atomic_add(&pool.high_water, 0xFFFFFFFFU);

@@ -35,6 +35,13 @@ inline G3D_GPU std::uint64_t block_key_at(const FrameParams& f, int bx, int by, 
   return block_of({f.origin[0] + 8 * bx, f.origin[1] + 8 * by, f.origin[2] + 8 * bz});
 }
 
+/// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.
+[[nodiscard]] constexpr std::uint32_t spread_three(std::uint32_t v) { return (v & 1U) | (v & 2U) << 2 | (v & 4U) << 4; }
+[[nodiscard]] constexpr std::uint32_t place_at(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return spread_three(static_cast<std::uint32_t>(x)) | spread_three(static_cast<std::uint32_t>(y)) << 1 |
+         spread_three(static_cast<std::uint32_t>(z)) << 2;
+}
+
 /// Camera-frame position of the centre of a block's first voxel; see cpu::voxel_in_camera_m.
 struct Corner {
   float x_m;

@@ -10,8 +10,23 @@ namespace g3d::mapper::cuda {
 
 [[nodiscard]] constexpr bool walks_rays(FreeBy by) { return by == FreeBy::exact_rays || by == FreeBy::thesis_rays; }
 
-inline G3D_GPU void add_item(const Memory& m, const WorkItem& item) {
-  m.items[atomic_add(&m.input->counters.items, 1U)] = item;
+inline G3D_GPU void add_item(const Memory& m, std::uint32_t block_id, std::uint64_t key, std::uint32_t slot,
+                             std::uint32_t record, View view, const RayBounds& rays) {
+  WorkItem& item = m.items[atomic_add(&m.input->counters.items, 1U)];
+  item.block_id = block_id;
+  item.slot = slot;
+  item.record = record;
+  item.view = static_cast<std::uint32_t>(view);
+  item.farthest_m = rays.farthest_m;
+  item.nearest_m = rays.nearest_m;
+  if (slot != kNone) {
+    item.old = m.blocks[slot];
+    return;
+  }
+  item.old.key = key;
+  item.old.plane = kNone;
+  item.old.uniform_level = kUnknownLevel;
+  for (int b = 0; b < kBricks; ++b) item.old.bricks[b] = kNone;
 }
 
 /// A block whose every voxel was seen through and none hit. False: its voxels have to be looked at.
@@ -26,7 +41,7 @@ inline G3D_GPU bool lower_uniform(const FrameParams& f, const Memory& m, std::ui
   }
   GpuBlock& block = m.blocks[slot];
   if (block.plane != kNone || block.uniform_level > kUnknownLevel) return false;
-  const std::uint32_t lowered = after_miss(static_cast<std::uint8_t>(block.uniform_level), f.steps);
+  const std::uint32_t lowered = after_miss(static_cast<std::uint8_t>(block.uniform_level), steps_of(f));
   if (lowered == block.uniform_level) return true;
   block.uniform_level = lowered;
   m.changed[atomic_add(&counters.changed, 1U)] = slot;
@@ -41,16 +56,14 @@ inline G3D_GPU void visit_block(const FrameParams& f, const Memory& m, int bx, i
   if (view == View::all_free && lower_uniform(f, m, key, slot)) return;
   const bool settled = slot != kNone && m.blocks[slot].plane == kNone && m.blocks[slot].uniform_level == 0;
   if (settled) return;
-  add_item(
-      m, {block_id_at(f, bx, by, bz), slot, kNone, static_cast<std::uint32_t>(view), rays.farthest_m, rays.nearest_m});
+  add_item(m, block_id_at(f, bx, by, bz), key, slot, kNone, view, rays);
 }
 
 inline constexpr int kSupersPerTask = kPixelThreads / 64;
 
 /// Four groups of 4x4x4 blocks.
-inline G3D_GPU void find_visible(const Block& block, const Memory& m, int task) {
+inline G3D_GPU void find_visible(const Block& block, const Memory& m, const FrameParams& f, int task) {
   G3D_GPU_SHARED std::uint32_t views[kSupersPerTask];
-  const FrameParams& f = m.input->params;
   const int count = f.supers[0] * f.supers[1] * f.supers[2];
   block.each([&](int t) {
     const int super = task * kSupersPerTask + t / 64;
@@ -80,21 +93,20 @@ inline G3D_GPU void find_visible(const Block& block, const Memory& m, int task) 
 }
 
 /// Blocks of the box that rays have marked.
-inline G3D_GPU void find_marked(const Block& block, const Memory& m, int task) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void find_marked(const Block& block, const Memory& m, const FrameParams& f, int task) {
   const std::uint32_t count = static_cast<std::uint32_t>(f.blocks[0] * f.blocks[1] * f.blocks[2]);
   block.each([&](int t) {
     const std::uint32_t id = static_cast<std::uint32_t>(task * kPixelThreads + t);
     if (id >= count || m.marked_blocks[id] == 0 || m.record_of_block[id] != 0) return;
     const int row = static_cast<int>(id) / f.blocks[0];
     const std::uint64_t key = block_key_at(f, static_cast<int>(id) % f.blocks[0], row % f.blocks[1], row / f.blocks[1]);
-    add_item(m, {id, find_block(m, key), kNone, static_cast<std::uint32_t>(View::look), 0.0F, 0.0F});
+    add_item(m, id, key, find_block(m, key), kNone, View::look, RayBounds{});
   });
 }
 
 /// Blocks in which something was measured: all of them, by `workers` blocks of threads.
-inline G3D_GPU void find_hit_blocks(const Block& block, const Memory& m, int worker, int workers) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void find_hit_blocks(const Block& block, const Memory& m, const FrameParams& f, int worker,
+                                    int workers) {
   const std::uint32_t count = m.input->counters.records;
   block.each([&](int t) {
     for (std::uint32_t record = static_cast<std::uint32_t>(worker * kPixelThreads + t); record < count;
@@ -112,8 +124,8 @@ inline G3D_GPU void find_hit_blocks(const Block& block, const Memory& m, int wor
       } else if (walks_rays(f.free_by) && m.marked_blocks[id] != 0) {
         view = View::look;
       }
-      add_item(m, {id, find_block(m, block_key_at(f, bx, by, bz)), record, static_cast<std::uint32_t>(view),
-                   rays.farthest_m, rays.nearest_m});
+      const std::uint64_t key = block_key_at(f, bx, by, bz);
+      add_item(m, id, key, find_block(m, key), record, view, rays);
     }
   });
 }

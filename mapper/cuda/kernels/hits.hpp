@@ -52,8 +52,7 @@ inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, 
     // The box has room for every trusted reading; a damaged frame must not write beside it.
     if (k[axis] < 0 || k[axis] >= 8 * f.blocks[axis]) return {kNone, 0};
   }
-  return {block_id_at(f, k[0] >> 3, k[1] >> 3, k[2] >> 3),
-          static_cast<std::uint32_t>(encode({k[0] & 7, k[1] & 7, k[2] & 7}))};
+  return {block_id_at(f, k[0] >> 3, k[1] >> 3, k[2] >> 3), place_at(k[0] & 7, k[1] & 7, k[2] & 7)};
 }
 
 struct HitTile {
@@ -85,9 +84,8 @@ inline G3D_GPU void load_tile(const FrameParams& f, const Memory& m, int tile, i
 }
 
 /// Numbers the blocks in which the tile's pixels lie.
-inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, int tile) {
+inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  const FrameParams& f = m.input->params;
   block.each([&](int t) { load_tile(f, m, tile, t, s, false); });
   block.each([&](int t) {
     const int x = t % kTileColumns;
@@ -103,9 +101,8 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, int til
 }
 
 /// Pixels to records.
-inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, int tile) {
+inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  const FrameParams& f = m.input->params;
   block.each([&](int t) { load_tile(f, m, tile, t, s, true); });
   block.each([&](int t) {
     const int x = t % kTileColumns;

@@ -15,7 +15,6 @@
 
 #include "mapper/cuda/kernels/parcels.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
-#include "mapper/cuda/kernels/walk_rays.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -28,48 +27,45 @@ inline G3D_GPU void import_blocks(const Block& block, const Memory& m, const Par
   }
 }
 
-inline G3D_GPU void scan_image(const Block& block, const Memory& m) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void scan_image(const Block& block, const Memory& m, const FrameParams& f) {
   const int marks = tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   const int strips = tiles(f.width_px, kStripColumns);
-  const int all = strips + marks + f.height_px + 1;
+  const int rows = tiles(f.height_px, rows_per_scan(f.width_px));
+  const int all = strips + marks + rows + 1;
   for (int task = block.index; task < all; task += block.count) {
-    if (task < strips) {
-      scan_columns(block, m, task);
-    } else if (task < strips + marks) {
-      mark_hit_blocks(block, m, task - strips);
-    } else if (task < strips + marks + f.height_px) {
-      scan_row(block, m, task - strips - marks);
-    } else {
+    if (task == 0) {
       MapState& s = *m.state;
       collect_returned(block, s.blocks, m.free_blocks, m.returned_blocks, kPixelThreads);
       collect_returned(block, s.planes, m.free_planes, m.returned_planes, kPixelThreads);
       collect_returned(block, s.bricks, m.free_bricks, m.returned_bricks, kPixelThreads);
+    } else if (task <= strips) {
+      scan_columns(block, m, f, task - 1);
+    } else if (task <= strips + rows) {
+      scan_rows(block, m, f, task - strips - 1);
+    } else {
+      mark_hit_blocks(block, m, f, task - strips - rows - 1);
     }
   }
 }
 
-inline G3D_GPU void reduce_image(const Block& block, const Memory& m) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void reduce_image(const Block& block, const Memory& m, const FrameParams& f) {
   const int reduces = tiles(f.width_px, kReduceTile_px) * tiles(f.height_px, kReduceTile_px);
   const int all = reduces + tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   for (int task = block.index; task < all; task += block.count) {
     if (task < reduces) {
-      reduce_tile(block, m, task);
+      reduce_tile(block, m, f, task);
     } else {
-      scatter_hits(block, m, task - reduces);
+      scatter_hits(block, m, f, task - reduces);
     }
   }
 }
 
-inline G3D_GPU void walk_image(const Block& block, const Memory& m) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void walk_image(const Block& block, const Memory& m, const FrameParams& f) {
   const int all = tiles(f.width_px, kRayTileColumns) * tiles(f.height_px, kRayTileRows);
-  for (int task = block.index; task < all; task += block.count) walk_tile(block, m, task);
+  for (int task = block.index; task < all; task += block.count) walk_tile(block, m, f, task);
 }
 
-inline G3D_GPU void find_work(const Block& block, const Memory& m) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void find_work(const Block& block, const Memory& m, const FrameParams& f) {
   int finds = 0;
   if (f.free_by == FreeBy::projection) finds = tiles(f.supers[0] * f.supers[1] * f.supers[2], kSupersPerTask);
   if (walks_rays(f.free_by)) finds = tiles(f.blocks[0] * f.blocks[1] * f.blocks[2], kPixelThreads);
@@ -78,30 +74,30 @@ inline G3D_GPU void find_work(const Block& block, const Memory& m) {
   for (int task = block.index; task < all; task += block.count) {
     int rest = task;
     if (rest < kHitWorkers) {
-      find_hit_blocks(block, m, rest, kHitWorkers);
+      find_hit_blocks(block, m, f, rest, kHitWorkers);
       continue;
     }
     rest -= kHitWorkers;
     if (rest < finds) {
       if (f.free_by == FreeBy::projection) {
-        find_visible(block, m, rest);
+        find_visible(block, m, f, rest);
       } else {
-        find_marked(block, m, rest);
+        find_marked(block, m, f, rest);
       }
       continue;
     }
     rest -= finds;
     int level = 0;
     for (; rest >= window_tasks(f, level); ++level) rest -= window_tasks(f, level);
-    fill_windows(block, m, level, rest);
+    fill_windows(block, m, f, level, rest);
   }
 }
 
-inline G3D_GPU void update_map(const Block& block, const Memory& m) {
+inline G3D_GPU void update_map(const Block& block, const Memory& m, const FrameParams& f) {
   const std::uint32_t count = m.input->counters.items;
   for (std::uint32_t i = static_cast<std::uint32_t>(block.index); i < count;
        i += static_cast<std::uint32_t>(block.count)) {
-    update_block(block, m, i);
+    update_block(block, m, f, i);
   }
 }
 

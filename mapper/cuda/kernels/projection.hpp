@@ -7,13 +7,18 @@
 
 namespace g3d::mapper::cuda {
 
+/// Windows of one size: where they lie, and the image in which up to four looks find the farthest end in one.
 struct Window {
   std::int32_t level;
   std::int32_t cells;
+  WindowPlace place;
+  const std::uint16_t* image;
+  std::int32_t stride;
+  std::int32_t shift;  ///< between the looks, 0: one is enough
 };
 
 /// For voxels around a depth; see cpu::FootprintImages::choose.
-inline G3D_GPU Window choose_window(const FrameParams& f, float z_units) {
+inline G3D_GPU Window choose_window(const FrameParams& f, const Memory& m, float z_units) {
   const float z_m = most(z_units, f.min_z_units) * f.metres_per_unit;
   float cells = f.window_px_m / z_m;
   int level = 0;
@@ -22,7 +27,23 @@ inline G3D_GPU Window choose_window(const FrameParams& f, float z_units) {
     ++level;
   }
   const int smallest = level == 0 ? least(f.smallest_window, kLargestWindow) : 4;
-  return {level, least(most(static_cast<int>(cells + 0.5F), smallest), kLargestWindow)};
+  const int halves = static_cast<int>(2.0F * cells + 1.0F);  // the nearest whole number is half of it
+  Window window;
+  window.level = level;
+  window.cells = least(most(halves / 2, smallest), kLargestWindow);
+  window.place = f.windows[level][window.cells];
+  window.image = window.cells >= 4 ? m.four[level] : window.cells >= 2 ? m.two : m.ends[0];
+  window.stride = f.shapes[level].stride;
+  window.shift = window.cells >= 4 ? window.cells - 4 : window.cells >= 2 ? window.cells - 2 : 0;
+  return window;
+}
+
+/// Farthest end within a window that begins at a padded cell.
+inline G3D_GPU std::uint32_t window_maximum(const Window& w, int x, int y) {
+  const std::uint16_t* first = w.image + y * w.stride + x;
+  if (w.shift == 0) return *first;
+  const std::uint16_t* below = first + w.shift * w.stride;
+  return most(most(first[0], first[w.shift]), most(below[0], below[w.shift]));
 }
 
 /// A block as the projective test sees it.
@@ -43,15 +64,15 @@ inline G3D_GPU float needed_units(const FrameParams& f, float z_units) {
 
 inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
                                     const Window& window, bool at_border, int place) {
-  const WindowPlace& w = f.windows[window.level][window.cells];
-  const float z_units = block.z_units + f.tables.z_units[place];
+  const WindowPlace& w = window.place;
+  const float z_units = block.z_units + m.input->tables.places.z_units[place];
   if (z_units < f.min_z_units) return false;
   const float inverse = w.cells_per_px / (most(z_units, f.min_z_units) * f.metres_per_unit);
-  const float x_px_m = block.x_px_m + f.tables.x_px_m[place];
-  const float y_px_m = block.y_px_m + f.tables.y_px_m[place];
+  const float x_px_m = block.x_px_m + m.input->tables.places.x_px_m[place];
+  const float y_px_m = block.y_px_m + m.input->tables.places.y_px_m[place];
   const float x = least(most(x_px_m * inverse + w.shift_x, w.first), w.last_x);
   const float y = least(most(y_px_m * inverse + w.shift_y, w.first), w.last_y);
-  const std::uint32_t end = window_maximum(f, m, window.level, window.cells, static_cast<int>(x), static_cast<int>(y));
+  const std::uint32_t end = window_maximum(window, static_cast<int>(x), static_cast<int>(y));
   if (!(static_cast<float>(end) >= needed_units(f, z_units))) return false;
   if (!at_border) return true;
   const float z_m = z_units * f.metres_per_unit;
@@ -62,23 +83,29 @@ inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const
 /// Is the voxel free by measured rays alone? Asked for occupied voxels that only a ray without a reading seems to pass.
 inline G3D_GPU bool is_strongly_free(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
                                      const Window& window, int place) {
-  const WindowPlace& w = f.windows[window.level][window.cells];
-  const float z_units = block.z_units + f.tables.z_units[place];
+  const WindowPlace& w = window.place;
+  const float z_units = block.z_units + m.input->tables.places.z_units[place];
   if (z_units < f.min_z_units) return false;
   const float inverse = w.cells_per_px / (z_units * f.metres_per_unit);
-  const float x = (block.x_px_m + f.tables.x_px_m[place]) * inverse + w.shift_x;
-  const float y = (block.y_px_m + f.tables.y_px_m[place]) * inverse + w.shift_y;
-  const int u0 = (static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding) * (1 << window.level);
-  const int v0 = (static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding) * (1 << window.level);
-  const int side = window.cells << window.level;
-  const float needed = needed_units(f, z_units);
-  for (int v = most(v0, 0); v < least(v0 + side, f.height_px); ++v) {
-    for (int u = most(u0, 0); u < least(u0 + side, f.width_px); ++u) {
-      const std::uint32_t end = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
-      if (static_cast<float>(end) >= needed && m.depth[v * f.width_px + u] != 0) return true;
+  const float x = (block.x_px_m + m.input->tables.places.x_px_m[place]) * inverse + w.shift_x;
+  const float y = (block.y_px_m + m.input->tables.places.y_px_m[place]) * inverse + w.shift_y;
+  const int x0 = static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding;
+  const int y0 = static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding;
+  const ImageShape& shape = f.shapes[window.level];
+  std::uint32_t farthest = 0;
+  for (int cy = most(y0, 0); cy < least(y0 + window.cells, shape.height); ++cy) {
+    for (int cx = most(x0, 0); cx < least(x0 + window.cells, shape.width); ++cx) {
+      std::uint32_t end = 0;
+      const int cell = (cy + kPadding) * shape.stride + cx + kPadding;
+      if (window.level > 0) {
+        end = m.strong[window.level][cell];
+      } else if (m.depth[cy * f.width_px + cx] != 0) {
+        end = m.ends[0][cell];
+      }
+      farthest = most(farthest, end);
     }
   }
-  return false;
+  return static_cast<float>(farthest) >= needed_units(f, z_units) && farthest != 0;
 }
 
 }  // namespace g3d::mapper::cuda

@@ -19,25 +19,33 @@ inline G3D_GPU std::uint32_t weak_end(const FrameParams& f, const Memory& m, int
   return carves ? least(static_cast<std::uint32_t>(m.mask[pixel]), nearest) : 0U;
 }
 
-inline G3D_GPU void store_cell(const FrameParams& f, const Memory& m, int level, int x, int y, std::uint32_t low,
-                               std::uint32_t high) {
+/// What is known of the ray ends in one cell.
+struct CellEnds {
+  std::uint16_t low;
+  std::uint16_t high;
+  std::uint16_t strong;  ///< farthest of measured rays
+};
+inline G3D_GPU void join(CellEnds& cell, const CellEnds& other) {
+  cell = {least(cell.low, other.low), most(cell.high, other.high), most(cell.strong, other.strong)};
+}
+
+inline G3D_GPU void store_cell(const FrameParams& f, const Memory& m, int level, int x, int y, const CellEnds& ends) {
   const ImageShape& shape = f.shapes[level];
   if (x >= shape.width || y >= shape.height) return;
   if (level < f.image_levels) {
-    m.ends[level][(y + kPadding) * shape.stride + x + kPadding] = static_cast<std::uint16_t>(high);
+    const int cell = (y + kPadding) * shape.stride + x + kPadding;
+    m.ends[level][cell] = ends.high;
+    m.strong[level][cell] = ends.strong;
   }
-  if (level >= kBaseLevel) m.pyramid[level - kBaseLevel][y * shape.width + x] = low | high << 16;
+  if (level >= kBaseLevel) {
+    m.pyramid[level - kBaseLevel][y * shape.width + x] =
+        static_cast<std::uint32_t>(ends.low) | static_cast<std::uint32_t>(ends.high) << 16;
+  }
 }
 
-struct ReduceTile {
-  std::uint16_t low[kReduceSide][kReduceSide];
-  std::uint16_t high[kReduceSide][kReduceSide];
-};
-
 /// 64 x 64 pixels: joins the bounds, then halves six times.
-inline G3D_GPU void reduce_tile(const Block& block, const Memory& m, int tile) {
-  G3D_GPU_SHARED ReduceTile s;
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void reduce_tile(const Block& block, const Memory& m, const FrameParams& f, int tile) {
+  G3D_GPU_SHARED CellEnds cells[kReduceSide][kReduceSide];
   const int across = tiles(f.width_px, kReduceTile_px);
   const int tile_u = tile % across * kReduceTile_px;
   const int tile_v = tile / across * kReduceTile_px;
@@ -46,33 +54,36 @@ inline G3D_GPU void reduce_tile(const Block& block, const Memory& m, int tile) {
     const int ty = t / kReduceSide;
     const int u0 = tile_u + 4 * tx;
     const int v0 = tile_v + 4 * ty;
-    // Beyond the image lies padding: zeros. A lower minimum is always safe, and it is the CPU twin's.
-    std::uint32_t low = kUnbounded;
-    std::uint32_t quarter[2][2] = {};
-    for (int dy = 0; dy < 4; ++dy) {
-      for (int dx = 0; dx < 4; ++dx) {
-        const int u = u0 + dx;
-        const int v = v0 + dy;
-        std::uint32_t end = 0;
+    constexpr CellEnds kNothing{0xFFFF, 0, 0};
+    CellEnds all = kNothing;
+#pragma GCC unroll 4
+    for (int q = 0; q < 4; ++q) {
+      CellEnds quarter = kNothing;
+#pragma GCC unroll 4
+      for (int i = 0; i < 4; ++i) {
+        const int u = u0 + q % 2 * 2 + i % 2;
+        const int v = v0 + q / 2 * 2 + i / 2;
+        // Beyond the image lies padding: zeros. A lower minimum is always safe, and it is the CPU twin's.
+        CellEnds pixel{0, 0, 0};
         if (u < f.width_px && v < f.height_px) {
           std::uint16_t& stored = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
-          end = stored;
-          if (m.depth[v * f.width_px + u] == 0) {
+          std::uint32_t end = stored;
+          const bool measured = m.depth[v * f.width_px + u] != 0;
+          if (!measured) {
             end = weak_end(f, m, v * f.width_px + u, end);
             stored = static_cast<std::uint16_t>(end);
           }
+          const std::uint16_t final_end = static_cast<std::uint16_t>(end);
+          pixel = {final_end, final_end, measured ? final_end : std::uint16_t{0}};
         }
-        low = least(low, end);
-        quarter[dy / 2][dx / 2] = most(quarter[dy / 2][dx / 2], end);
+        join(quarter, pixel);
       }
+      store_cell(f, m, 1, u0 / 2 + q % 2, v0 / 2 + q / 2, quarter);
+      join(all, quarter);
     }
-    for (int q = 0; q < 4; ++q) store_cell(f, m, 1, u0 / 2 + q % 2, v0 / 2 + q / 2, 0, quarter[q / 2][q % 2]);
-    const std::uint32_t high = most(most(quarter[0][0], quarter[0][1]), most(quarter[1][0], quarter[1][1]));
-    store_cell(f, m, 2, u0 / 4, v0 / 4, low, high);
+    store_cell(f, m, 2, u0 / 4, v0 / 4, all);
     // A cell wholly outside of the image must not lower those above it.
-    const bool exists = u0 < f.width_px && v0 < f.height_px;
-    s.low[ty][tx] = static_cast<std::uint16_t>(exists ? low : 0xFFFFU);
-    s.high[ty][tx] = static_cast<std::uint16_t>(exists ? high : 0U);
+    cells[ty][tx] = u0 < f.width_px && v0 < f.height_px ? all : kNothing;
   });
   for (int level = 3; level < kImageLevels; ++level) {
     const int side = kReduceTile_px >> level;
@@ -83,11 +94,11 @@ inline G3D_GPU void reduce_tile(const Block& block, const Memory& m, int tile) {
       const int y = t / side;
       const int sx = 2 * gap * x;
       const int sy = 2 * gap * y;
-      std::uint16_t& low = s.low[sy][sx];
-      std::uint16_t& high = s.high[sy][sx];
-      low = least(least(low, s.low[sy][sx + gap]), least(s.low[sy + gap][sx], s.low[sy + gap][sx + gap]));
-      high = most(most(high, s.high[sy][sx + gap]), most(s.high[sy + gap][sx], s.high[sy + gap][sx + gap]));
-      store_cell(f, m, level, (tile_u >> level) + x, (tile_v >> level) + y, low, high);
+      CellEnds& cell = cells[sy][sx];
+      join(cell, cells[sy][sx + gap]);
+      join(cell, cells[sy + gap][sx]);
+      join(cell, cells[sy + gap][sx + gap]);
+      store_cell(f, m, level, (tile_u >> level) + x, (tile_v >> level) + y, cell);
     });
   }
 }
@@ -102,8 +113,7 @@ inline G3D_GPU int window_tasks(const FrameParams& f, int level) {
 }
 
 /// A thousand cells of one level's window images.
-inline G3D_GPU void fill_windows(const Block& block, const Memory& m, int level, int task) {
-  const FrameParams& f = m.input->params;
+inline G3D_GPU void fill_windows(const Block& block, const Memory& m, const FrameParams& f, int level, int task) {
   const ImageShape& shape = f.shapes[level];
   const std::uint16_t* ends = m.ends[level];
   block.each([&](int t) {
@@ -123,18 +133,6 @@ inline G3D_GPU void fill_windows(const Block& block, const Memory& m, int level,
       m.four[level][cell] = most(most(fours[0], fours[1]), most(fours[2], fours[3]));
     }
   });
-}
-
-/// Farthest end within a window of 1..7 cells that begins at a padded cell.
-inline G3D_GPU std::uint32_t window_maximum(const FrameParams& f, const Memory& m, int level, int cells, int x, int y) {
-  const int stride = f.shapes[level].stride;
-  const int first = y * stride + x;
-  if (cells == 1) return m.ends[level][first];
-  const std::uint16_t* image = cells >= 4 ? m.four[level] : m.two;
-  const int shift = cells >= 4 ? cells - 4 : cells - 2;
-  if (shift == 0) return image[first];
-  return most(most(image[first], image[first + shift]),
-              most(image[first + shift * stride], image[first + shift * stride + shift]));
 }
 
 }  // namespace g3d::mapper::cuda

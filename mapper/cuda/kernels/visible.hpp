@@ -87,6 +87,16 @@ inline G3D_GPU EndRange end_range(const FrameParams& f, const Memory& m, int u0,
   const int x1 = least((((u1 >> shift) + 1) << parts) - 1, shape.width - 1);
   const int y1 = least((((v1 >> shift) + 1) << parts) - 1, shape.height - 1);
   EndRange range{0xFFFFU, 0U};
+  if (parts == 0) {
+    // At most 4 x 4 cells: sixteen looks at once, some of them at the same cell, cost less than a loop of waits.
+#pragma GCC unroll 16
+    for (int i = 0; i < 16; ++i) {
+      const std::uint32_t cell = cells[least(y0 + i / 4, y1) * shape.width + least(x0 + i % 4, x1)];
+      range.min = least(range.min, cell & 0xFFFFU);
+      range.max = most(range.max, cell >> 16);
+    }
+    return range;
+  }
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const std::uint32_t cell = cells[y * shape.width + x];
@@ -148,8 +158,9 @@ inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, View sup
                                  RayBounds& rays) {
   if (super == View::hidden || super == View::all_free) return super;
   const Corner first = corner_of(f, 4 * sx, 4 * sy, 4 * sz);
-  return decide(f, m, f.block_view, true, first.x_m + f.block_middle_m[0][i], first.y_m + f.block_middle_m[1][i],
-                first.z_m + f.block_middle_m[2][i], rays);
+  return decide(f, m, f.block_view, true, first.x_m + m.input->tables.block_middle_m[0][i],
+                first.y_m + m.input->tables.block_middle_m[1][i], first.z_m + m.input->tables.block_middle_m[2][i],
+                rays);
 }
 
 }  // namespace g3d::mapper::cuda

@@ -18,8 +18,9 @@ TEST_CASE("frame parameters describe the CPU twin's box, images and modes") {
     const FrameBuilder builder(config, sensor, {});
     const auto frame = cpu::frame_geometry(sensor, hal::to_transform(test::random_pose(1)));
     REQUIRE(frame);
-    FrameParams params;
-    builder.fill(*frame, true, 7, params);
+    FrameInput input;
+    builder.fill(*frame, true, 7, input);
+    const FrameParams& params = input.params;
     CHECK(params.frame_number == 7);
     CHECK(params.free_by == FreeBy::projection);
     CHECK(params.blocks[0] * params.blocks[1] * params.blocks[2] == static_cast<int>(frame->block_count()));
@@ -39,10 +40,11 @@ TEST_CASE("only rays need marks, and a static map needs no free space") {
   MapperConfig config;
   const cpu::SensorGeometry sensor(camera, config.resolution_m, config.near_m, config.far_m);
   const auto frame = cpu::frame_geometry(sensor, {});
-  FrameParams params;
+  FrameInput input;
+  const FrameParams& params = input.params;
   const auto fill = [&] {
     const FrameBuilder builder(config, sensor, {});
-    builder.fill(*frame, false, 1, params);
+    builder.fill(*frame, false, 1, input);
     return builder.sizes().walks_rays;
   };
   CHECK(fill() == 0);
