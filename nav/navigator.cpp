@@ -123,8 +123,9 @@ void Navigator::decide(TimeNs now) {
 bool Navigator::look_at_closed_way(TimeNs now) {
   if (is_sent_home_ || mission_.state() != MissionState::exploring) return false;
   const bool is_anything_shut = decision_.left[LeftReason::unreachable] + decision_.left[LeftReason::blocked] > 0;
-  if (!was_reopened_ && is_anything_shut && floor_.reopen()) {
-    was_reopened_ = true;
+  const bool is_reopened = !was_reopened_ && is_anything_shut && floor_.reopen();
+  was_reopened_ = was_reopened_ || is_reopened;
+  if (is_reopened || (is_anything_shut && floor_.trust_own_way())) {
     explore_again();
     next_decision_ns_ = now;
     return true;

@@ -129,6 +129,12 @@ bool Surroundings::reopen() {
   return true;
 }
 
+bool Surroundings::trust_own_way() {
+  const bool opens = tight_.trust_own_way(ground_.states(), inflation_);
+  note_changed(tight_.changed_cells());
+  return opens;
+}
+
 void Surroundings::forget_touches() {
   has_closed_ = false;
   ground_.forget_contacts();

@@ -51,6 +51,9 @@ class Surroundings final : public FloorKnowledge {
   void close_suspects();
   /// Forgets what close_suspects() closed. False if there was nothing.
   bool reopen();
+  /// Where the body has been it can be again, also for choosing goals: for a robot that is cut off from where it came
+  /// from. False if that opens nothing.
+  bool trust_own_way();
   void forget_touches();
 
   [[nodiscard]] const GroundMap& ground() const { return ground_; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace g3d::nav {
 namespace {
@@ -22,6 +23,7 @@ TightPlaces::TightPlaces(const CellGrid<CellState>& states, const Inflation& inf
       was_here_(states.cells.size()),
       is_noted_(states.cells.size()) {
   noted_.reserve(states.cells.size());
+  own_way_.reserve(states.cells.size());
   changed_.reserve(states.cells.size());
 }
 
@@ -50,13 +52,32 @@ void TightPlaces::update(const CellGrid<CellState>& states, const Inflation& inf
   judge_noted(states, inflation);
 }
 
+void TightPlaces::mark(const CellGrid<CellState>& states, Cell c) {
+  const std::uint32_t cell = static_cast<std::uint32_t>(states.index(c));
+  if (was_here_[cell] != 0) return;
+  was_here_[cell] = 1;
+  own_way_.push_back(cell);
+  note(cell);
+}
+
 void TightPlaces::tread(const CellGrid<CellState>& states, const Inflation& inflation, double x_m, double y_m) {
   const Cell c = states.cell_of(x_m, y_m);
   changed_.clear();
-  if (!states.contains(c) || was_here_[states.index(c)] != 0) return;
-  was_here_[states.index(c)] = 1;
-  note(static_cast<std::uint32_t>(states.index(c)));
+  if (!states.contains(c) || c == here_) return;
+  // Across a corner: one of the two cells beside it belongs to the way, or no step would lead along it.
+  if (std::abs(c.x - here_.x) == 1 && std::abs(c.y - here_.y) == 1) mark(states, {here_.x, c.y});
+  here_ = c;
+  mark(states, c);
   judge_noted(states, inflation);
+}
+
+bool TightPlaces::trust_own_way(const CellGrid<CellState>& states, const Inflation& inflation) {
+  changed_.clear();
+  if (trusts_own_way_) return false;
+  trusts_own_way_ = true;
+  for (const std::uint32_t cell : own_way_) note(cell);
+  judge_noted(states, inflation);
+  return !changed_.empty();
 }
 
 void TightPlaces::judge_noted(const CellGrid<CellState>& states, const Inflation& inflation) {
@@ -67,7 +88,8 @@ void TightPlaces::judge_noted(const CellGrid<CellState>& states, const Inflation
     if (value == kInscribedCost && states.cells[cell] == CellState::free) {
       const Cell c = states.cell(cell);
       const double clearance_m = inflation.clearance_m(c);
-      const bool has_been = was_here_[cell] != 0 && clearance_m > body_radius_m_;
+      const bool has_been =
+          was_here_[cell] != 0 && (trusts_own_way_ || clearance_m > body_radius_m_ - 0.5 * states.resolution_m);
       const bool may_fit = clearance_m > body_radius_m_ + spare_m_ - 0.5 * states.resolution_m;
       if (has_been || (may_fit && fits(states, c))) value = kTightCost;
     }

@@ -26,8 +26,11 @@ class TightPlaces {
 
   /// After each inflation.update(states, changed), with the same cells.
   void update(const CellGrid<CellState>& states, const Inflation& inflation, std::span<const std::uint32_t> changed);
-  /// The body's centre is here.
+  /// The body's centre is here. Where it has been, half a cell less than its radius is enough from now on.
   void tread(const CellGrid<CellState>& states, const Inflation& inflation, double x_m, double y_m);
+  /// From now on its own way is open wherever no obstacle stands right in it: a last resort for a robot that is cut off
+  /// from where it came from. False if that opens nothing.
+  bool trust_own_way(const CellGrid<CellState>& states, const Inflation& inflation);
 
   /// The inflation's costs, with kTightCost where the body just fits.
   [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return cost_; }
@@ -36,6 +39,7 @@ class TightPlaces {
 
  private:
   void note(std::uint32_t cell);
+  void mark(const CellGrid<CellState>& states, Cell c);
   void judge_noted(const CellGrid<CellState>& states, const Inflation& inflation);
   [[nodiscard]] bool fits(const CellGrid<CellState>& states, Cell c) const;
 
@@ -44,6 +48,9 @@ class TightPlaces {
   int reach_cells_;  ///< squares farther than this do not matter
   CellGrid<std::uint8_t> cost_;
   std::vector<std::uint8_t> was_here_;  ///< per cell: the centre of the body
+  std::vector<std::uint32_t> own_way_;  ///< those cells, each of which shares a side with the one before
+  Cell here_{-2, -2};                   ///< the newest of them
+  bool trusts_own_way_ = false;
   std::vector<std::uint32_t> noted_;
   std::vector<std::uint8_t> is_noted_;
   std::vector<std::uint32_t> changed_;

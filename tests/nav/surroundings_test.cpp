@@ -127,6 +127,21 @@ TEST_CASE("The own way stays open whoever stands in it, at a price") {
   CHECK(scene.here.cost_of_own_way().at(scene.cell(1.5, 0.0)) == scene.here.cost().at(scene.cell(1.5, 0.0)));
 }
 
+TEST_CASE("A robot that is cut off may trust its own way, and goals are chosen by it, too") {
+  Scene scene({});
+  scene.look();
+  scene.here.on_pose({0.51, 0.01, 0.0}, 0);
+  scene.here.on_touch({0.25, 0.0, 0.0}, 0.0);
+  const nav::Cell there = scene.cell(0.51, 0.01);
+  REQUIRE(scene.here.cost().at(there) == nav::kInscribedCost);
+  scene.here.forget_changes();
+  CHECK(scene.here.trust_own_way());
+  CHECK(scene.here.cost().at(there) == nav::TightPlaces::kTightCost);
+  const auto changed = scene.here.changed_cells();
+  CHECK(std::find(changed.begin(), changed.end(), scene.here.cost().index(there)) != changed.end());
+  CHECK_FALSE(scene.here.trust_own_way());
+}
+
 TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
   CHECK(nav::planning_radius_m(0.18, 0.05) > 0.18 + 0.025);
   CHECK(nav::planning_radius_m(0.18, 0.05) < 0.225);  // five cells from an obstacle's centre it fits

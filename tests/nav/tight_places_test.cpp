@@ -91,6 +91,34 @@ TEST_CASE("where it has been it can be again, unless something stands nearer tha
   floor.states.cells[person] = CellState::occupied;
   floor.update(std::span(&person, 1));
   CHECK(floor.tight.cost().at({30, 23}) == kInscribedCost);
+  CHECK(floor.tight.trust_own_way(floor.states, floor.inflation));  // unless it has no other choice
+  CHECK(floor.tight.cost().at({30, 23}) == TightPlaces::kTightCost);
+  CHECK(floor.tight.changed_cells().size() == 1);
+  CHECK_FALSE(floor.tight.trust_own_way(floor.states, floor.inflation));
+  const std::uint32_t in_the_way = static_cast<std::uint32_t>(floor.states.index({30, 23}));
+  floor.states.cells[in_the_way] = CellState::occupied;
+  floor.update(std::span(&in_the_way, 1));
+  CHECK(floor.tight.cost().at({30, 23}) == kLethalCost);
+}
+
+TEST_CASE("its own way leads from cell to cell, also where it went across a corner") {
+  Floor floor(6);
+  for (int i = 0; i <= 40; ++i) {
+    floor.tight.tread(floor.states, floor.inflation, 1.3 + 0.012 * i, 0.92 + 0.012 * i);  // 45 degrees
+  }
+  REQUIRE(floor.tight.trust_own_way(floor.states, floor.inflation));
+  const CellGrid<std::uint8_t>& cost = floor.tight.cost();
+  std::vector<Cell> reached{{26, 18}};
+  std::vector<std::uint8_t> was_met(cost.cells.size());
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const Cell c = reached[i];
+    for (const Cell n : {Cell{c.x + 1, c.y}, Cell{c.x - 1, c.y}, Cell{c.x, c.y + 1}, Cell{c.x, c.y - 1}}) {
+      if (!cost.contains(n) || cost.at(n) >= kInscribedCost || was_met[cost.index(n)] != 0) continue;
+      was_met[cost.index(n)] = 1;
+      reached.push_back(n);
+    }
+  }
+  CHECK(was_met[cost.index({35, 27})] == 1);
 }
 
 TEST_CASE("kept from changes, the costs are those of a fresh look, and every change is named") {
