@@ -64,13 +64,13 @@ bool Emulated::import_blocks(std::uint32_t count) {
 }
 
 bool Emulated::run_frame(FrameCounters& counters) {
-  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_, memory_.input->params); });
-  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_, memory_.input->params); });
+  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_); });
+  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_); });
   if (walks_rays(memory_.input->params.free_by)) {
-    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_, memory_.input->params); });
+    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_); });
   }
-  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_, memory_.input->params); });
-  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_, memory_.input->params); });
+  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_); });
+  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_); });
   send(0, counters);
   return true;
 }

@@ -82,12 +82,8 @@ bool CardSession::load_kernels() {
     if (!check(driver_.module_get_function(&kernels_[i], module, kNames[i]), kNames[i])) return false;
   }
   std::size_t bytes = 0;
-  std::size_t param_bytes = 0;
-  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map") ||
-      !check(driver_.module_get_global(&params_symbol_, &param_bytes, module, "frame_params"), "frame_params")) {
-    return false;
-  }
-  if (bytes == sizeof(Memory) && param_bytes == sizeof(FrameParams)) return true;
+  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map")) return false;
+  if (bytes == sizeof(Memory)) return true;
   put_text(control_->problem, sizeof control_->problem, "kernels and helper are of different builds", "", "");
   return false;
 }
@@ -172,12 +168,11 @@ bool CardSession::launch_export(std::uint32_t first) {
   return launch(kExport, 8 * processors_, kUpdateThreads, arguments);
 }
 
-/// Everything of the input but the colours, and the parameters to where the kernels read them.
+/// Everything of the input but the colours.
 bool CardSession::copy_depth() {
   const char* input = shared<const char>(control_->input);
   const std::uint64_t bytes = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
-  return check(driver_.copy_to_card_async(params_symbol_, input, sizeof(FrameParams), stream_), "input") &&
-         check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
+  return check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
 }
 
 bool CardSession::copy_colour(CuHandle stream) {

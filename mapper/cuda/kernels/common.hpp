@@ -35,6 +35,16 @@ inline G3D_GPU std::uint64_t block_key_at(const FrameParams& f, int bx, int by, 
   return block_of({f.origin[0] + 8 * bx, f.origin[1] + 8 * by, f.origin[2] + 8 * bz});
 }
 
+/// The frame's numbers where a block's threads reach them at once: read together, in one wait.
+inline G3D_GPU void load_params(const Block& block, const Memory& m, FrameParams& params, int threads) {
+  constexpr int kWords = sizeof(FrameParams) / sizeof(std::uint32_t);
+  block.each([&](int t) {
+    for (int i = t; i < kWords; i += threads) {
+      reinterpret_cast<std::uint32_t*>(&params)[i] = reinterpret_cast<const std::uint32_t*>(&m.input->params)[i];
+    }
+  });
+}
+
 /// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.
 [[nodiscard]] constexpr std::uint32_t spread_three(std::uint32_t v) { return (v & 1U) | (v & 2U) << 2 | (v & 4U) << 4; }
 [[nodiscard]] constexpr std::uint32_t place_at(std::int32_t x, std::int32_t y, std::int32_t z) {

@@ -24,11 +24,13 @@ inline G3D_GPU bool is_depth_edge(std::uint32_t d, std::uint32_t n) {
 
 inline G3D_GPU bool gives_colour(const FrameParams& f, const Memory& m, int u, int v) {
   const std::uint16_t* pixel = m.depth + v * f.width_px + u;
-  const std::uint32_t d = *pixel;
   // At the border the neighbour that is not there is the pixel itself.
-  return !((u > 0 && is_depth_edge(d, pixel[-1])) || (u + 1 < f.width_px && is_depth_edge(d, pixel[1])) ||
-           (v > 0 && is_depth_edge(d, pixel[-f.width_px])) ||
-           (v + 1 < f.height_px && is_depth_edge(d, pixel[f.width_px])));
+  const std::uint32_t d = pixel[0];
+  const std::uint32_t left = pixel[u > 0 ? -1 : 0];
+  const std::uint32_t right = pixel[u + 1 < f.width_px ? 1 : 0];
+  const std::uint32_t above = pixel[v > 0 ? -f.width_px : 0];
+  const std::uint32_t below = pixel[v + 1 < f.height_px ? f.width_px : 0];
+  return !(is_depth_edge(d, left) | is_depth_edge(d, right) | is_depth_edge(d, above) | is_depth_edge(d, below));
 }
 
 /// Where a pixel's reading lies in the frame's box.
