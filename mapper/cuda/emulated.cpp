@@ -59,7 +59,7 @@ void Emulated::launch(int blocks, int threads, Kernel&& kernel) {
 
 // Counts of blocks are odd ones, so that what is dealt out to them comes in uneven shares.
 bool Emulated::import_blocks(std::uint32_t count) {
-  launch(7, kUpdateThreads, [&](const Block& block) { cuda::import_blocks(block, memory_, parcels_, count); });
+  launch(7, kParcelThreads, [&](const Block& block) { cuda::import_blocks(block, memory_, parcels_, count); });
   return true;
 }
 
@@ -82,7 +82,7 @@ bool Emulated::send_blocks(std::uint32_t first) {
 }
 
 void Emulated::send(std::uint32_t first, FrameCounters& counters) {
-  launch(11, kUpdateThreads,
+  launch(11, kParcelThreads,
          [&](const Block& block) { export_blocks(block, memory_, parcels_, &counters, first, room()); });
 }
 

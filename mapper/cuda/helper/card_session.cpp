@@ -8,7 +8,8 @@ namespace g3d::mapper::cuda {
 namespace {
 
 constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
-constexpr unsigned kUpdateThreads = 128;
+constexpr unsigned kUpdateThreads = 64;
+constexpr unsigned kParcelThreads = 128;
 constexpr unsigned kSpin = 1;        // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
 constexpr unsigned kDeviceMap = 2;   // CU_MEMHOSTREGISTER_DEVICEMAP
 constexpr int kProcessorCount = 16;  // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
@@ -156,7 +157,7 @@ bool CardSession::launch_step(int kernel) {
     case kFind:
       return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
     case kUpdate:
-      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
+      return launch(kUpdate, 24 * processors_, kUpdateThreads, nullptr);
     default:
       return launch_export(0);
   }
@@ -165,7 +166,7 @@ bool CardSession::launch_step(int kernel) {
 bool CardSession::launch_export(std::uint32_t first) {
   std::uint32_t room = control_->room;
   void* arguments[] = {&parcels_, &card_counters_, &first, &room};
-  return launch(kExport, 8 * processors_, kUpdateThreads, arguments);
+  return launch(kExport, 8 * processors_, kParcelThreads, arguments);
 }
 
 /// Everything of the input but the colours.
@@ -249,7 +250,7 @@ bool CardSession::import_blocks(std::uint32_t count) {
     if (!copied) return false;
   }
   void* arguments[] = {&parcels_, &count};
-  return launch(kImport, 4 * processors_, kUpdateThreads, arguments) &&
+  return launch(kImport, 4 * processors_, kParcelThreads, arguments) &&
          check(driver_.stream_synchronize(stream_), "import");
 }
 
