@@ -59,18 +59,18 @@ void Emulated::launch(int blocks, int threads, Kernel&& kernel) {
 
 // Counts of blocks are odd ones, so that what is dealt out to them comes in uneven shares.
 bool Emulated::import_blocks(std::uint32_t count) {
-  launch(7, kUpdateThreads, [&](const Block& block) { cuda::import_blocks(block, memory_, parcels_, count); });
+  launch(7, kParcelThreads, [&](const Block& block) { cuda::import_blocks(block, memory_, parcels_, count); });
   return true;
 }
 
 bool Emulated::run_frame(FrameCounters& counters) {
-  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_, memory_.input->params); });
-  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_, memory_.input->params); });
+  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_); });
+  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_); });
   if (walks_rays(memory_.input->params.free_by)) {
-    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_, memory_.input->params); });
+    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_); });
   }
-  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_, memory_.input->params); });
-  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_, memory_.input->params); });
+  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_); });
+  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_); });
   send(0, counters);
   return true;
 }
@@ -82,7 +82,7 @@ bool Emulated::send_blocks(std::uint32_t first) {
 }
 
 void Emulated::send(std::uint32_t first, FrameCounters& counters) {
-  launch(11, kUpdateThreads,
+  launch(11, kParcelThreads,
          [&](const Block& block) { export_blocks(block, memory_, parcels_, &counters, first, room()); });
 }
 

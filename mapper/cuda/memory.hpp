@@ -90,12 +90,14 @@ struct Memory {
   std::uint16_t* mask;
   // Images
   std::uint16_t* ends[kImageLevels];       ///< level 0: ray ends; above: maxima of 2x2 cells. Padded
-  std::uint16_t* strong[kImageLevels];  ///< the same of measured rays alone; level 0 follows from ends and depth
+  std::uint16_t* strong[kImageLevels];     ///< the same of measured rays alone; level 0 follows from ends and depth
   std::uint16_t* four[kImageLevels];       ///< maxima over windows of 4x4 cells that begin there
   std::uint16_t* two;                      ///< 2x2, of level 0
   std::uint16_t* column_bound;             ///< nearest reading above and below a pixel without one
   std::uint32_t* pyramid[kPyramidLevels];  ///< minimum | maximum << 16
   // Hits
+  std::uint32_t* pixel_block;      ///< block of the box in which a pixel's reading lies, kNone without a trusted one
+  std::uint16_t* pixel_place;      ///< M & 511
   std::uint32_t* record_of_block;  ///< index + 1; 0 = none
   std::uint32_t* hit_blocks;       ///< block of each record
   std::uint32_t* hits;             ///< 512 per record: see hits.hpp. All ones between frames
@@ -188,6 +190,8 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   }
   take(m.column_bound, pixels);
   const std::size_t records = pixels < s.box_blocks ? pixels : s.box_blocks;
+  take(m.pixel_block, pixels);
+  take(m.pixel_place, pixels);
   take(m.record_of_block, s.box_blocks);
   take(m.hit_blocks, records);
   take(m.marks, s.walks_rays != 0 ? std::size_t{s.box_blocks} * 2 * kMarkWords : 0);

@@ -8,7 +8,8 @@ namespace g3d::mapper::cuda {
 namespace {
 
 constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
-constexpr unsigned kUpdateThreads = 128;
+constexpr unsigned kUpdateThreads = 64;
+constexpr unsigned kParcelThreads = 128;
 constexpr unsigned kSpin = 1;        // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
 constexpr unsigned kDeviceMap = 2;   // CU_MEMHOSTREGISTER_DEVICEMAP
 constexpr int kProcessorCount = 16;  // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
@@ -82,12 +83,8 @@ bool CardSession::load_kernels() {
     if (!check(driver_.module_get_function(&kernels_[i], module, kNames[i]), kNames[i])) return false;
   }
   std::size_t bytes = 0;
-  std::size_t param_bytes = 0;
-  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map") ||
-      !check(driver_.module_get_global(&params_symbol_, &param_bytes, module, "frame_params"), "frame_params")) {
-    return false;
-  }
-  if (bytes == sizeof(Memory) && param_bytes == sizeof(FrameParams)) return true;
+  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map")) return false;
+  if (bytes == sizeof(Memory)) return true;
   put_text(control_->problem, sizeof control_->problem, "kernels and helper are of different builds", "", "");
   return false;
 }
@@ -160,7 +157,7 @@ bool CardSession::launch_step(int kernel) {
     case kFind:
       return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
     case kUpdate:
-      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
+      return launch(kUpdate, 24 * processors_, kUpdateThreads, nullptr);
     default:
       return launch_export(0);
   }
@@ -169,15 +166,14 @@ bool CardSession::launch_step(int kernel) {
 bool CardSession::launch_export(std::uint32_t first) {
   std::uint32_t room = control_->room;
   void* arguments[] = {&parcels_, &card_counters_, &first, &room};
-  return launch(kExport, 8 * processors_, kUpdateThreads, arguments);
+  return launch(kExport, 8 * processors_, kParcelThreads, arguments);
 }
 
-/// Everything of the input but the colours, and the parameters to where the kernels read them.
+/// Everything of the input but the colours.
 bool CardSession::copy_depth() {
   const char* input = shared<const char>(control_->input);
   const std::uint64_t bytes = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
-  return check(driver_.copy_to_card_async(params_symbol_, input, sizeof(FrameParams), stream_), "input") &&
-         check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
+  return check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
 }
 
 bool CardSession::copy_colour(CuHandle stream) {
@@ -254,7 +250,7 @@ bool CardSession::import_blocks(std::uint32_t count) {
     if (!copied) return false;
   }
   void* arguments[] = {&parcels_, &count};
-  return launch(kImport, 4 * processors_, kUpdateThreads, arguments) &&
+  return launch(kImport, 4 * processors_, kParcelThreads, arguments) &&
          check(driver_.stream_synchronize(stream_), "import");
 }
 

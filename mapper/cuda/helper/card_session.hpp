@@ -52,7 +52,6 @@ class CardSession {
   CuHandle begun_ = nullptr;  ///< between the two streams
   CuHandle colour_there_ = nullptr;
   CuDevicePointer memory_symbol_ = 0;
-  CuDevicePointer params_symbol_ = 0;
   CuDevicePointer base_ = 0;
   CuDevicePointer card_counters_ = 0;
   Memory memory_{};

@@ -10,7 +10,8 @@
 namespace g3d::mapper::cuda {
 
 inline constexpr int kPixelThreads = 256;   ///< per block, in kernels over images and boxes
-inline constexpr int kUpdateThreads = 128;  ///< per block, in kernels over blocks of the map: four voxels each
+inline constexpr int kUpdateThreads = 64;   ///< per block, in the kernel that updates blocks of the map
+inline constexpr int kParcelThreads = 128;  ///< per block, in kernels that move them: four voxels each
 
 template <typename T>
 [[nodiscard]] constexpr T least(T a, T b) {
@@ -33,6 +34,16 @@ inline G3D_GPU std::uint32_t block_id_at(const FrameParams& f, int bx, int by, i
 
 inline G3D_GPU std::uint64_t block_key_at(const FrameParams& f, int bx, int by, int bz) {
   return block_of({f.origin[0] + 8 * bx, f.origin[1] + 8 * by, f.origin[2] + 8 * bz});
+}
+
+/// The frame's numbers where a block's threads reach them at once: read together, in one wait.
+inline G3D_GPU void load_params(const Block& block, const Memory& m, FrameParams& params, int threads) {
+  constexpr int kWords = sizeof(FrameParams) / sizeof(std::uint32_t);
+  block.each([&](int t) {
+    for (int i = t; i < kWords; i += threads) {
+      reinterpret_cast<std::uint32_t*>(&params)[i] = reinterpret_cast<const std::uint32_t*>(&m.input->params)[i];
+    }
+  });
 }
 
 /// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.

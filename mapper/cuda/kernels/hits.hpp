@@ -24,11 +24,13 @@ inline G3D_GPU bool is_depth_edge(std::uint32_t d, std::uint32_t n) {
 
 inline G3D_GPU bool gives_colour(const FrameParams& f, const Memory& m, int u, int v) {
   const std::uint16_t* pixel = m.depth + v * f.width_px + u;
-  const std::uint32_t d = *pixel;
   // At the border the neighbour that is not there is the pixel itself.
-  return !((u > 0 && is_depth_edge(d, pixel[-1])) || (u + 1 < f.width_px && is_depth_edge(d, pixel[1])) ||
-           (v > 0 && is_depth_edge(d, pixel[-f.width_px])) ||
-           (v + 1 < f.height_px && is_depth_edge(d, pixel[f.width_px])));
+  const std::uint32_t d = pixel[0];
+  const std::uint32_t left = pixel[u > 0 ? -1 : 0];
+  const std::uint32_t right = pixel[u + 1 < f.width_px ? 1 : 0];
+  const std::uint32_t above = pixel[v > 0 ? -f.width_px : 0];
+  const std::uint32_t below = pixel[v + 1 < f.height_px ? f.width_px : 0];
+  return !(is_depth_edge(d, left) | is_depth_edge(d, right) | is_depth_edge(d, above) | is_depth_edge(d, below));
 }
 
 /// Where a pixel's reading lies in the frame's box.
@@ -69,24 +71,27 @@ inline G3D_GPU bool is_repeat(const HitTile& tile, int x, int y, bool whole_bloc
   return same(x - 1, y) || same(x - 1, y - 1) || same(x, y - 1) || same(x + 1, y - 1);
 }
 
-inline G3D_GPU void load_tile(const FrameParams& f, const Memory& m, int tile, int t, HitTile& s, bool with_codes) {
+/// Pixel of a thread of a tile, -1 beside the image.
+inline G3D_GPU int pixel_of(const FrameParams& f, int tile, int t) {
   const int across = tiles(f.width_px, kTileColumns);
-  const int x = t % kTileColumns;
-  const int y = t / kTileColumns;
-  const int u = tile % across * kTileColumns + x;
-  const int v = tile / across * kTileRows + y;
-  PixelHit hit{kNone, 0};
-  if (u < f.width_px && v < f.height_px) hit = unproject(f, m, u, v);
-  s.block_id[y][x] = hit.block_id;
-  if (!with_codes) return;
-  const bool coloured = hit.block_id != kNone && f.with_colour != 0 && gives_colour(f, m, u, v);
-  s.code[y][x] = static_cast<std::uint16_t>(hit.place << 1 | (coloured ? 1U : 0U));
+  const int u = tile % across * kTileColumns + t % kTileColumns;
+  const int v = tile / across * kTileRows + t / kTileColumns;
+  return u < f.width_px && v < f.height_px ? v * f.width_px + u : -1;
 }
 
 /// Numbers the blocks in which the tile's pixels lie.
 inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  block.each([&](int t) { load_tile(f, m, tile, t, s, false); });
+  block.each([&](int t) {
+    const int pixel = pixel_of(f, tile, t);
+    PixelHit hit{kNone, 0};
+    if (pixel >= 0) {
+      hit = unproject(f, m, pixel % f.width_px, pixel / f.width_px);
+      m.pixel_block[pixel] = hit.block_id;
+      m.pixel_place[pixel] = static_cast<std::uint16_t>(hit.place);
+    }
+    s.block_id[t / kTileColumns][t % kTileColumns] = hit.block_id;
+  });
   block.each([&](int t) {
     const int x = t % kTileColumns;
     const int y = t / kTileColumns;
@@ -103,16 +108,21 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const F
 /// Pixels to records.
 inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
-  block.each([&](int t) { load_tile(f, m, tile, t, s, true); });
+  block.each([&](int t) {
+    const int pixel = pixel_of(f, tile, t);
+    const std::uint32_t id = pixel >= 0 ? m.pixel_block[pixel] : kNone;
+    s.block_id[t / kTileColumns][t % kTileColumns] = id;
+    if (id == kNone) return;
+    const bool coloured = f.with_colour != 0 && gives_colour(f, m, pixel % f.width_px, pixel / f.width_px);
+    s.code[t / kTileColumns][t % kTileColumns] =
+        static_cast<std::uint16_t>(m.pixel_place[pixel] << 1 | (coloured ? 1 : 0));
+  });
   block.each([&](int t) {
     const int x = t % kTileColumns;
     const int y = t / kTileColumns;
     const std::uint32_t id = s.block_id[y][x];
     if (id == kNone || is_repeat(s, x, y, false)) return;
-    const int across = tiles(f.width_px, kTileColumns);
-    const int u = tile % across * kTileColumns + x;
-    const int v = tile / across * kTileRows + y;
-    const std::uint32_t pixel = static_cast<std::uint32_t>(v * f.width_px + u);
+    const std::uint32_t pixel = static_cast<std::uint32_t>(pixel_of(f, tile, t));
     const std::uint32_t code = s.code[y][x];
     std::uint32_t* word = m.hits + static_cast<std::size_t>(m.record_of_block[id] - 1) * kVoxels + (code >> 1);
     atomic_min(word, (code & 1U) != 0 ? pixel : pixel | kNoColour);

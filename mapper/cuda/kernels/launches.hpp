@@ -27,7 +27,9 @@ inline G3D_GPU void import_blocks(const Block& block, const Memory& m, const Par
   }
 }
 
-inline G3D_GPU void scan_image(const Block& block, const Memory& m, const FrameParams& f) {
+inline G3D_GPU void scan_image(const Block& block, const Memory& m) {
+  G3D_GPU_SHARED FrameParams f;
+  load_params(block, m, f, kPixelThreads);
   const int marks = tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   const int strips = tiles(f.width_px, kStripColumns);
   const int rows = tiles(f.height_px, rows_per_scan(f.width_px));
@@ -48,7 +50,9 @@ inline G3D_GPU void scan_image(const Block& block, const Memory& m, const FrameP
   }
 }
 
-inline G3D_GPU void reduce_image(const Block& block, const Memory& m, const FrameParams& f) {
+inline G3D_GPU void reduce_image(const Block& block, const Memory& m) {
+  G3D_GPU_SHARED FrameParams f;
+  load_params(block, m, f, kPixelThreads);
   const int reduces = tiles(f.width_px, kReduceTile_px) * tiles(f.height_px, kReduceTile_px);
   const int all = reduces + tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   for (int task = block.index; task < all; task += block.count) {
@@ -60,12 +64,16 @@ inline G3D_GPU void reduce_image(const Block& block, const Memory& m, const Fram
   }
 }
 
-inline G3D_GPU void walk_image(const Block& block, const Memory& m, const FrameParams& f) {
+inline G3D_GPU void walk_image(const Block& block, const Memory& m) {
+  G3D_GPU_SHARED FrameParams f;
+  load_params(block, m, f, kPixelThreads);
   const int all = tiles(f.width_px, kRayTileColumns) * tiles(f.height_px, kRayTileRows);
   for (int task = block.index; task < all; task += block.count) walk_tile(block, m, f, task);
 }
 
-inline G3D_GPU void find_work(const Block& block, const Memory& m, const FrameParams& f) {
+inline G3D_GPU void find_work(const Block& block, const Memory& m) {
+  G3D_GPU_SHARED FrameParams f;
+  load_params(block, m, f, kPixelThreads);
   int finds = 0;
   if (f.free_by == FreeBy::projection) finds = tiles(f.supers[0] * f.supers[1] * f.supers[2], kSupersPerTask);
   if (walks_rays(f.free_by)) finds = tiles(f.blocks[0] * f.blocks[1] * f.blocks[2], kPixelThreads);
@@ -93,7 +101,9 @@ inline G3D_GPU void find_work(const Block& block, const Memory& m, const FramePa
   }
 }
 
-inline G3D_GPU void update_map(const Block& block, const Memory& m, const FrameParams& f) {
+inline G3D_GPU void update_map(const Block& block, const Memory& m) {
+  G3D_GPU_SHARED FrameParams f;
+  load_params(block, m, f, kUpdateThreads);
   const std::uint32_t count = m.input->counters.items;
   for (std::uint32_t i = static_cast<std::uint32_t>(block.index); i < count;
        i += static_cast<std::uint32_t>(block.count)) {

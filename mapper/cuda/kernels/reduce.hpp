@@ -12,11 +12,10 @@ inline constexpr int kReduceTile_px = 64;
 inline constexpr int kReduceSide = 16;  ///< threads along each axis, 4x4 pixels each
 
 /// The final end of a pixel without a reading: a weak one.
-inline G3D_GPU std::uint32_t weak_end(const FrameParams& f, const Memory& m, int pixel, std::uint32_t row_bound) {
-  const std::uint32_t nearest = least(row_bound, static_cast<std::uint32_t>(m.column_bound[pixel]));
+inline G3D_GPU std::uint32_t weak_end(const FrameParams& f, std::uint32_t nearest, std::uint32_t mask) {
   const bool carves =
       f.carve_invalid != 0 && nearest != kUnbounded && nearest >= static_cast<std::uint32_t>(f.near_raw);
-  return carves ? least(static_cast<std::uint32_t>(m.mask[pixel]), nearest) : 0U;
+  return carves ? least(mask, nearest) : 0U;
 }
 
 /// What is known of the ray ends in one cell.
@@ -55,28 +54,47 @@ inline G3D_GPU void reduce_tile(const Block& block, const Memory& m, const Frame
     const int u0 = tile_u + 4 * tx;
     const int v0 = tile_v + 4 * ty;
     constexpr CellEnds kNothing{0xFFFF, 0, 0};
+    // All looks first, then what follows from them: sixteen waits one after the other would take longer than all else.
+    // Pixel 4 q + i is the i-th of quarter q.
+    std::uint32_t depths[16];
+    std::uint32_t ends[16];
+    bool any_blind = false;
+#pragma GCC unroll 16
+    for (int p = 0; p < 16; ++p) {
+      const int u = least(u0 + p / 4 % 2 * 2 + p % 2, f.width_px - 1);
+      const int v = least(v0 + p / 8 * 2 + p % 4 / 2, f.height_px - 1);
+      depths[p] = m.depth[v * f.width_px + u];
+      ends[p] = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
+      any_blind |= depths[p] == 0;
+    }
+    if (any_blind) {
+#pragma GCC unroll 16
+      for (int p = 0; p < 16; ++p) {
+        const int u = least(u0 + p / 4 % 2 * 2 + p % 2, f.width_px - 1);
+        const int v = least(v0 + p / 8 * 2 + p % 4 / 2, f.height_px - 1);
+        const std::uint32_t bound = least(ends[p], static_cast<std::uint32_t>(m.column_bound[v * f.width_px + u]));
+        const std::uint32_t weak = weak_end(f, bound, m.mask[v * f.width_px + u]);
+        ends[p] = depths[p] == 0 ? weak : ends[p];
+      }
+#pragma GCC unroll 16
+      for (int p = 0; p < 16; ++p) {
+        const int u = u0 + p / 4 % 2 * 2 + p % 2;
+        const int v = v0 + p / 8 * 2 + p % 4 / 2;
+        if (depths[p] != 0 || u >= f.width_px || v >= f.height_px) continue;
+        m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding] = static_cast<std::uint16_t>(ends[p]);
+      }
+    }
     CellEnds all = kNothing;
 #pragma GCC unroll 4
     for (int q = 0; q < 4; ++q) {
       CellEnds quarter = kNothing;
 #pragma GCC unroll 4
       for (int i = 0; i < 4; ++i) {
-        const int u = u0 + q % 2 * 2 + i % 2;
-        const int v = v0 + q / 2 * 2 + i / 2;
+        const int p = 4 * q + i;
         // Beyond the image lies padding: zeros. A lower minimum is always safe, and it is the CPU twin's.
-        CellEnds pixel{0, 0, 0};
-        if (u < f.width_px && v < f.height_px) {
-          std::uint16_t& stored = m.ends[0][(v + kPadding) * f.shapes[0].stride + u + kPadding];
-          std::uint32_t end = stored;
-          const bool measured = m.depth[v * f.width_px + u] != 0;
-          if (!measured) {
-            end = weak_end(f, m, v * f.width_px + u, end);
-            stored = static_cast<std::uint16_t>(end);
-          }
-          const std::uint16_t final_end = static_cast<std::uint16_t>(end);
-          pixel = {final_end, final_end, measured ? final_end : std::uint16_t{0}};
-        }
-        join(quarter, pixel);
+        const bool exists = u0 + q % 2 * 2 + i % 2 < f.width_px && v0 + q / 2 * 2 + i / 2 < f.height_px;
+        const std::uint16_t end = static_cast<std::uint16_t>(exists ? ends[p] : 0);
+        join(quarter, {end, end, depths[p] != 0 ? end : std::uint16_t{0}});
       }
       store_cell(f, m, 1, u0 / 2 + q % 2, v0 / 2 + q / 2, quarter);
       join(all, quarter);
@@ -124,6 +142,7 @@ inline G3D_GPU void fill_windows(const Block& block, const Memory& m, const Fram
       if (x > shape.stride - 4 || y > shape.rows - 4) continue;
       std::uint16_t pairs[4];
       std::uint16_t fours[4];
+#pragma GCC unroll 4
       for (int dy = 0; dy < 4; ++dy) {
         const std::uint16_t* row = ends + cell + dy * shape.stride;
         pairs[dy] = most(row[0], row[1]);

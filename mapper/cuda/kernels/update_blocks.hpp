@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evidence of one frame -> levels and colours: one block of threads for each block of the map, four voxels to a thread.
-// Blocks, planes and bricks are handed out and given back on the way, so that a block's form follows from its values.
+// Evidence of one frame -> levels and colours: one block of threads for each block of the map, eight voxels to a
+// thread. Blocks, planes and bricks are handed out and given back on the way, so that a block's form follows from its
+// values.
 #pragma once
 
 #include "mapper/cuda/kernels/find_blocks.hpp"
@@ -27,17 +28,16 @@ struct UpdateState {
   std::uint32_t bricks[kBricks];
   std::uint32_t changed;
   std::uint32_t refused;
+  // Each thread's own voxels
+  std::uint16_t pairs[kVoxels / 2];  ///< two bytes each
+  std::uint32_t hits[kVoxels];       ///< as in the record
 };
 
-/// A thread has two neighbours in each of two bricks; the 32 threads that run together have the same bricks, so that
+/// A thread has two neighbours in each of four bricks; the 32 threads that run together have the same bricks, so that
 /// what holds for a brick holds for all of them.
-struct FourVoxels {
-  std::uint32_t old_bytes;
-  std::uint32_t new_bytes;
-  std::uint32_t hits[4];
-};
-[[nodiscard]] constexpr int brick_of(int t, int k) { return t / 32 * 2 + k / 2; }
-[[nodiscard]] constexpr int place_of(int t, int k) { return brick_of(t, k) * kBrickSize + t % 32 * 2 + k % 2; }
+inline constexpr int kPairs = kVoxels / 2 / kUpdateThreads;
+[[nodiscard]] constexpr int brick_of(int t, int pair) { return t / 32 * kPairs + pair; }
+[[nodiscard]] constexpr int place_of(int t, int pair) { return brick_of(t, pair) * kBrickSize + t % 32 * 2; }
 
 inline G3D_GPU std::uint32_t byte_of(std::uint32_t word, int k) { return word >> (8 * k) & 0xFFU; }
 
@@ -75,47 +75,63 @@ inline G3D_GPU std::uint32_t free_by_projection(const FrameParams& f, const Memo
   return contested && is_strongly_free(f, m, block, s.windows[brick], place) ? cpu::kStrongFree : cpu::kWeakFree;
 }
 
-/// Reads a thread's voxels and says what becomes of their levels.
-inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, UpdateState& s, int t, FourVoxels& mine) {
+/// Reads a thread's voxels. All looks before the first use: one wait instead of many.
+inline G3D_GPU void load_voxels(const Memory& m, UpdateState& s, int t) {
   const GpuBlock& old = s.item.old;
-  mine.old_bytes = old.uniform_level * 0x01010101U;
-  if (old.plane != kNone) {
-    const auto* pairs =
-        reinterpret_cast<const std::uint16_t*>(m.planes + static_cast<std::size_t>(old.plane) * kVoxels);
-    mine.old_bytes = static_cast<std::uint32_t>(pairs[place_of(t, 0) / 2]) |
-                     static_cast<std::uint32_t>(pairs[place_of(t, 2) / 2]) << 16;
+  const auto* stored = reinterpret_cast<const std::uint16_t*>(m.planes + static_cast<std::size_t>(old.plane) * kVoxels);
+  std::uint32_t pairs[kPairs];
+#pragma GCC unroll 4
+  for (int i = 0; i < kPairs; ++i) {
+    pairs[i] = old.plane != kNone ? stored[place_of(t, i) / 2] : old.uniform_level * 0x0101U;
   }
-  for (int k = 0; k < 4; ++k) mine.hits[k] = kNoHit;
   if (s.item.record != kNone) {
     std::uint32_t* record = m.hits + static_cast<std::size_t>(s.item.record) * kVoxels;
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) mine.hits[k] = record[place_of(t, k)];
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) record[place_of(t, k)] = kNoHit;
-  }
-  std::uint32_t summary = 0;
-  mine.new_bytes = 0;
-#pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) {
-    const bool hit = mine.hits[k] != kNoHit;
-    const std::uint32_t old_byte = byte_of(mine.old_bytes, k);
-    const std::uint32_t level = old_byte & kLevelMask;
-    std::uint32_t free = 0;
-    if (f.free_by == FreeBy::projection) {
-      // Nothing can change where a voxel is as free as can be and was not hit.
-      if (level != 0 && !hit) free = free_by_projection(f, m, s, place_of(t, k), level, hit);
-    } else if (static_cast<View>(s.item.view) != View::hidden) {
-      free = free_by_marks(m, s.item.block_id, place_of(t, k));
+    std::uint32_t hits[2 * kPairs];
+#pragma GCC unroll 8
+    for (int i = 0; i < 2 * kPairs; ++i) hits[i] = record[place_of(t, i / 2) + i % 2];
+#pragma GCC unroll 8
+    for (int i = 0; i < 2 * kPairs; ++i) {
+      s.hits[place_of(t, i / 2) + i % 2] = hits[i];
+      record[place_of(t, i / 2) + i % 2] = kNoHit;
     }
-    const std::uint32_t new_byte = updated_byte(f, old_byte, hit, free);
-    const bool gets_colour = mine.hits[k] < kNoColour && (new_byte & kLevelMask) > kUnknownLevel;
-    summary |= hit || free != 0 ? kAnyEvidence : 0U;
-    summary |= new_byte != old_byte ? kAnyChange : 0U;
-    summary |= gets_colour ? kAnyColour : 0U;
-    const std::uint32_t final_byte = new_byte | (gets_colour ? kHasColourBit : 0U);
-    summary |= final_byte | (~final_byte & 0xFFU) << 8;
-    if ((final_byte & kHasColourBit) != 0) join(&s.coloured_bricks, 1U << brick_of(t, k));
-    mine.new_bytes |= new_byte << (8 * k);
+  }
+#pragma GCC unroll 4
+  for (int i = 0; i < kPairs; ++i) s.pairs[place_of(t, i) / 2] = static_cast<std::uint16_t>(pairs[i]);
+}
+
+/// Says what becomes of a thread's voxels.
+inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, UpdateState& s, int t) {
+  load_voxels(m, s, t);
+  const bool any_hits = s.item.record != kNone;
+  std::uint32_t summary = 0;
+#pragma GCC unroll 1
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const int first = place_of(t, pair);
+    std::uint32_t bytes = 0;
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; ++i) {
+      const std::uint32_t hit_word = any_hits ? s.hits[first + i] : kNoHit;
+      const bool hit = hit_word != kNoHit;
+      const std::uint32_t old_byte = byte_of(s.pairs[first / 2], i);
+      const std::uint32_t level = old_byte & kLevelMask;
+      std::uint32_t free = 0;
+      if (f.free_by == FreeBy::projection) {
+        // Nothing can change where a voxel is as free as can be and was not hit.
+        if (level != 0 && !hit) free = free_by_projection(f, m, s, first + i, level, hit);
+      } else if (static_cast<View>(s.item.view) != View::hidden) {
+        free = free_by_marks(m, s.item.block_id, first + i);
+      }
+      const std::uint32_t new_byte = updated_byte(f, old_byte, hit, free);
+      const bool gets_colour = hit_word < kNoColour && (new_byte & kLevelMask) > kUnknownLevel;
+      summary |= hit || free != 0 ? kAnyEvidence : 0U;
+      summary |= new_byte != old_byte ? kAnyChange : 0U;
+      summary |= gets_colour ? kAnyColour : 0U;
+      const std::uint32_t final_byte = new_byte | (gets_colour ? kHasColourBit : 0U);
+      summary |= final_byte | (~final_byte & 0xFFU) << 8;
+      if ((final_byte & kHasColourBit) != 0) join(&s.coloured_bricks, 1U << brick_of(t, pair));
+      bytes |= new_byte << (8 * i);
+    }
+    s.pairs[first / 2] = static_cast<std::uint16_t>(bytes);
   }
   join(&s.summary, summary);
 }
@@ -183,30 +199,33 @@ inline G3D_GPU std::uint32_t pixel_rgb(const Memory& m, std::uint32_t pixel) {
          static_cast<std::uint32_t>(rgb[2]) << 16;
 }
 
-inline G3D_GPU void write_voxels(const Memory& m, UpdateState& s, bool uniform, int t, const FourVoxels& mine) {
-  std::uint32_t bytes = mine.new_bytes;
+inline G3D_GPU void write_voxels(const Memory& m, UpdateState& s, bool uniform, int t) {
+  const bool any_colours = (s.summary & kAnyColour) != 0;
 #pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) {
-    const std::uint32_t byte = byte_of(bytes, k);
-    const std::uint32_t brick = s.bricks[brick_of(t, k)];
-    if (mine.hits[k] >= kNoColour || brick == kNone || (byte & kLevelMask) <= kUnknownLevel) continue;
-    std::uint32_t& colour = m.colours[static_cast<std::size_t>(brick) * kBrickSize + place_of(t, k) % kBrickSize];
-    const std::uint32_t fresh = pixel_rgb(m, mine.hits[k]);
-    const bool had_colour = (byte & kHasColourBit) != 0;
-    const std::uint32_t next = had_colour ? blend_rgb(colour, fresh) : fresh;
-    if (!had_colour || next != colour) join(&s.changed, kAnyChange);
-    colour = next;
-    bytes |= static_cast<std::uint32_t>(kHasColourBit) << (8 * k);
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const int first = place_of(t, pair);
+    const std::uint32_t brick = s.bricks[brick_of(t, pair)];
+    std::uint32_t bytes = s.pairs[first / 2];
+    for (int i = 0; i < 2 && any_colours && brick != kNone; ++i) {
+      const std::uint32_t byte = byte_of(bytes, i);
+      const std::uint32_t hit = s.hits[first + i];
+      if (hit >= kNoColour || (byte & kLevelMask) <= kUnknownLevel) continue;
+      std::uint32_t& colour = m.colours[static_cast<std::size_t>(brick) * kBrickSize + (first + i) % kBrickSize];
+      const std::uint32_t fresh = pixel_rgb(m, hit);
+      const bool had_colour = (byte & kHasColourBit) != 0;
+      const std::uint32_t next = had_colour ? blend_rgb(colour, fresh) : fresh;
+      if (!had_colour || next != colour) join(&s.changed, kAnyChange);
+      colour = next;
+      bytes |= static_cast<std::uint32_t>(kHasColourBit) << (8 * i);
+    }
+    if (uniform) continue;
+    auto* stored = reinterpret_cast<std::uint16_t*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels);
+    stored[first / 2] = static_cast<std::uint16_t>(bytes);
   }
-  if (uniform) return;
-  auto* pairs = reinterpret_cast<std::uint16_t*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels);
-  pairs[place_of(t, 0) / 2] = static_cast<std::uint16_t>(bytes);
-  pairs[place_of(t, 2) / 2] = static_cast<std::uint16_t>(bytes >> 16);
 }
 
 inline G3D_GPU void update_block(const Block& block, const Memory& m, const FrameParams& f, std::uint32_t index) {
   G3D_GPU_SHARED UpdateState s;
-  PerThread<FourVoxels, kUpdateThreads> voxels;
   block.each([&](int t) {
     constexpr int kWords = sizeof(WorkItem) / sizeof(std::uint32_t);
     if (t < kWords) {
@@ -228,13 +247,13 @@ inline G3D_GPU void update_block(const Block& block, const Memory& m, const Fram
     s.windows[t] = choose_window(f, m, f.units_per_metre * corner.z_m + f.middle_units[t]);
     if (t == 0) s.corner = corner;
   });
-  block.each([&](int t) { look_at_voxels(f, m, s, t, voxels[t]); });
+  block.each([&](int t) { look_at_voxels(f, m, s, t); });
   block.each([&](int t) { take_memory(m, s, t); });
   block.each([&](int t) {
     const Outcome outcome = outcome_of(s);
     const bool complete = s.slot != kNone && (outcome.uniform || s.plane != kNone);
     if (outcome.changes) enter_memory(m, s, complete, outcome.uniform, t);
-    if (outcome.changes && complete) write_voxels(m, s, outcome.uniform, t, voxels[t]);
+    if (outcome.changes && complete) write_voxels(m, s, outcome.uniform, t);
     if (outcome.changes && !complete && t == 0) s.refused = 1;
     if (walks_rays(f.free_by) && t < 2 * kMarkWords && static_cast<View>(s.item.view) != View::hidden) {
       m.marks[static_cast<std::size_t>(s.item.block_id) * 2 * kMarkWords + static_cast<std::uint32_t>(t)] = 0;
