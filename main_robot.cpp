@@ -73,6 +73,10 @@ nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& o
   navigator.near_watch.body_radius_m = board.robot_radius_m;
   navigator.near_watch.forward_m = board.mount_x_m;
   navigator.near_watch.near_m = board.map_near_m;
+  navigator.frame_view.depth_scan.T_base_camera = mount_pose(board);
+  navigator.frame_view.floor_steps.T_base_camera = mount_pose(board);
+  navigator.frame_view.depth_scan.body_height_m = board.robot_height_m;
+  navigator.frame_view.passers.body_radius_m = board.robot_radius_m;
   return config;
 }
 

@@ -29,8 +29,8 @@ ExplorerConfig sized(ExplorerConfig config, const CellGrid<CellState>& states) {
 
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
     : config_(config),
-      floor_(grid, {config.ground, config.low_view, config.near_watch, config.follower.limits.body_radius_m,
-                    config.inflation_radius_m, config.inflation_decay_perm}),
+      floor_(grid, {config.ground, config.low_view, config.near_watch, config.frame_view,
+                    config.follower.limits.body_radius_m, config.inflation_radius_m, config.inflation_decay_perm}),
       chooser_(config.make_chooser(sized(config.explorer, floor_.states()))),
       pursuit_(floor_.states(), config.follower, config.pursuit),
       behind_(config.follower.limits.body_radius_m, config.follower.limits.touch_margin_m, kBehind_m,

@@ -52,6 +52,7 @@ struct NavigatorConfig {
   GroundMapConfig ground;
   LowViewConfig low_view;
   NearWatchConfig near_watch;
+  FrameViewConfig frame_view;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
   ExplorerConfig explorer;
