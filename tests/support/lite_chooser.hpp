@@ -18,7 +18,7 @@ class LiteChooser final : public nav::GoalChooser {
                                                     const hal::PlanarPose& T_world_base, hal::TimeNs now) override;
   void goal_reached() override {}
   void goal_failed(nav::GoalFailure) override { lite_.abort(); }
-  void start_again(const nav::CellGrid<nav::CellState>&) override {}
+  void start_again() override {}
   void set_home(const hal::PlanarPose&) override {}
   void set_energy_left(double) override {}
   void return_home() override { is_over_ = true; }

@@ -35,7 +35,7 @@ class TourChooser final : public nav::GoalChooser {
                                                     const hal::PlanarPose& T_world_base, hal::TimeNs now) override;
   void goal_reached() override { is_over_ = true; }
   void goal_failed(nav::GoalFailure) override { is_over_ = true; }
-  void start_again(const nav::CellGrid<nav::CellState>&) override {}
+  void start_again() override {}
   void set_home(const hal::PlanarPose&) override {}
   void set_energy_left(double) override {}
   void return_home() override { rounds_ = kRounds; }
