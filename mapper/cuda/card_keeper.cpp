@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/cuda/card_keeper.hpp"
 
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -24,6 +26,7 @@ CardKeeper::CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& se
 }
 
 void CardKeeper::start_helper() {
+  if (lost_process_ > 0 && waitpid(lost_process_, nullptr, WNOHANG) != 0) lost_process_ = -1;
   const HelperSetup setup{.program = carried_helper(),
                           .kernels = carried_kernels(),
                           .sizes = twin_.builder().sizes(),
@@ -48,7 +51,9 @@ void CardKeeper::take_if_ready(HelperState state) {
 
 void CardKeeper::lose() {
   ++report_.losses;
+  lost_process_ = helper_->pid();
   report_.problem = helper_->problem();
+  helper_->abandon();
   twin_.set_card(nullptr);
   helper_.reset();
   frames_until_start_ = std::min(kFramesToRestart << std::min(report_.losses - 1, 10U), kMostFramesToRestart);

@@ -37,6 +37,7 @@ class CardKeeper {
   hal::TimeNs patience_ns_;
   Twin twin_;
   std::shared_ptr<HelperProcess> helper_;
+  int lost_process_ = -1;  ///< the last one that was lost, until the system has done away with it
   CardReport report_;
   std::uint32_t frames_until_start_ = 0;  ///< after a loss; 0: never again, or it is under way
 };

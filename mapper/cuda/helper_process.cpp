@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -94,14 +96,17 @@ bool HelperProcess::spawn(std::span<const std::byte> program, std::string& probl
   const int low_file = memfd_create("g3dmap-helper", MFD_CLOEXEC);
   const int file = low_file < 0 ? -1 : fcntl(low_file, F_DUPFD_CLOEXEC, kFirstSpareFile);
   const int memory = fcntl(memory_file_, F_DUPFD_CLOEXEC, kFirstSpareFile);
-  const bool written = file >= 0 && memory >= 0 && write_all(file, program);
+  int line[2] = {-1, -1};
+  const bool joined = socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line) == 0;
+  const int far_end = joined ? fcntl(line[1], F_DUPFD_CLOEXEC, kFirstSpareFile) : -1;
+  const bool written = file >= 0 && memory >= 0 && far_end >= 0 && write_all(file, program);
   // vfork: a process with a large map would take milliseconds to copy its page tables, on the mapper thread.
   if (written) pid_ = vfork();
   if (written && pid_ == 0) {
     // Between fork and exec only what is safe there. Ctrl-C is meant for the program, which then ends the helper.
     setpgid(0, 0);
-    if (dup2(memory, kHelperFile) == kHelperFile) {
-      syscall(SYS_close_range, kHelperFile + 1, file - 1, 0);
+    if (dup2(memory, kHelperFile) == kHelperFile && dup2(far_end, kHelperLine) == kHelperLine) {
+      syscall(SYS_close_range, kHelperLine + 1, file - 1, 0);
       syscall(SYS_close_range, file + 1, ~0U, 0);
       char name[] = "g3dmap-helper";
       char* arguments[] = {name, nullptr};
@@ -110,24 +115,30 @@ bool HelperProcess::spawn(std::span<const std::byte> program, std::string& probl
     _exit(127);
   }
   if (!written || pid_ < 0) problem = failure("starting the helper");
-  for (const int open : {low_file, file, memory}) {
+  line_ = line[0];
+  for (const int open : {low_file, file, memory, line[1], far_end}) {
     if (open >= 0) close(open);
   }
   return written && pid_ > 0;
 }
 
 HelperProcess::~HelperProcess() {
-  if (pid_ > 0 && !ended_) {
-    kill(pid_, SIGKILL);
-    // A process that hangs in the driver may take its time; it is not waited for.
-    for (int i = 0; i < 20 && !has_ended(); ++i) clock_.sleep_until(clock_.now() + 1'000'000);
+  if (pid_ > 0) {
+    kill(pid_, SIGKILL);  // not yet waited for, so the number is still its own
+    // A process that hangs in the driver may take its time; it is not waited for any longer.
+    for (int i = 0; i < 20 && waits_for_end_ && waitpid(pid_, nullptr, WNOHANG) == 0; ++i) {
+      clock_.sleep_until(clock_.now() + 1'000'000);
+    }
   }
+  if (line_ >= 0) close(line_);
   if (control_ != nullptr) munmap(control_, bytes_);
   if (memory_file_ >= 0) close(memory_file_);
 }
 
 bool HelperProcess::has_ended() {
-  if (!ended_ && pid_ > 0 && waitpid(pid_, nullptr, WNOHANG) != 0) ended_ = true;
+  pollfd line{line_, 0, 0};
+  const bool closed = poll(&line, 1, 0) > 0 && (line.revents & (POLLHUP | POLLERR)) != 0;
+  if (!ended_ && pid_ > 0 && closed) ended_ = true;
   return ended_;
 }
 

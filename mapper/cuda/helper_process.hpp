@@ -44,6 +44,8 @@ class HelperProcess final : public Card {
   [[nodiscard]] std::string card_name() const { return control_->card; }
   [[nodiscard]] std::uint64_t card_bytes() const { return control_->card_bytes; }
   [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Ends the process without waiting for it: the system may need long to take a card from it.
+  void abandon() { waits_for_end_ = false; }
 
   [[nodiscard]] FrameInput& input() override { return *at<FrameInput>(control_->input); }
   [[nodiscard]] std::uint16_t* depth() override { return depth_; }
@@ -68,6 +70,7 @@ class HelperProcess final : public Card {
   [[nodiscard]] T* at(std::uint64_t offset) const {
     return reinterpret_cast<T*>(reinterpret_cast<char*>(control_) + offset);
   }
+  /// Is it gone, or going? A process that held a card takes its time to end; its side of the line closes at once.
   [[nodiscard]] bool has_ended();
   void fill(const HelperSetup& setup);
   [[nodiscard]] bool spawn(std::span<const std::byte> program, std::string& problem);
@@ -76,8 +79,10 @@ class HelperProcess final : public Card {
   HelperControl* control_ = nullptr;
   std::size_t bytes_ = 0;
   int memory_file_ = -1;
+  int line_ = -1;  ///< says nothing; closed at the other end when the helper dies
   pid_t pid_ = -1;
   bool ended_ = false;
+  bool waits_for_end_ = true;
   std::uint32_t asked_ = 0;
   std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
   std::uint16_t* depth_ = nullptr;

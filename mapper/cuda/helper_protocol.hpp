@@ -13,6 +13,7 @@ namespace g3d::mapper::cuda {
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
 inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
+inline constexpr int kHelperLine = 4;  ///< one end of a socket pair; low, so that a dying process closes it first
 inline constexpr int kStages = 8;
 
 enum class HelperState : std::uint32_t { starting, ready, failed };

@@ -22,7 +22,7 @@ G3D_KERNEL(kPixelThreads, 5) scan_image_kernel() { scan_image(Block{}, memory_ma
 G3D_KERNEL(kPixelThreads, 3) reduce_image_kernel() { reduce_image(Block{}, memory_map); }
 G3D_KERNEL(kPixelThreads, 6) walk_image_kernel() { walk_image(Block{}, memory_map); }
 G3D_KERNEL(kPixelThreads, 4) find_work_kernel() { find_work(Block{}, memory_map); }
-G3D_KERNEL(kUpdateThreads, 12) update_map_kernel() { update_map(Block{}, memory_map); }
+G3D_KERNEL(kUpdateThreads, 6) update_map_kernel() { update_map(Block{}, memory_map); }
 G3D_KERNEL(kParcelThreads, 8) export_blocks_kernel(const Parcels out, FrameCounters* counters, std::uint32_t first, std::uint32_t room) {
   export_blocks(Block{}, memory_map, out, counters, first, room);
 }

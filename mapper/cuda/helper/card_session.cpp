@@ -8,7 +8,7 @@ namespace g3d::mapper::cuda {
 namespace {
 
 constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
-constexpr unsigned kUpdateThreads = 64;
+constexpr unsigned kUpdateThreads = 128;
 constexpr unsigned kParcelThreads = 128;
 constexpr unsigned kSpin = 1;        // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
 constexpr unsigned kDeviceMap = 2;   // CU_MEMHOSTREGISTER_DEVICEMAP
@@ -157,7 +157,7 @@ bool CardSession::launch_step(int kernel) {
     case kFind:
       return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
     case kUpdate:
-      return launch(kUpdate, 24 * processors_, kUpdateThreads, nullptr);
+      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
     default:
       return launch_export(0);
   }

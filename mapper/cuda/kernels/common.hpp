@@ -10,7 +10,7 @@
 namespace g3d::mapper::cuda {
 
 inline constexpr int kPixelThreads = 256;   ///< per block, in kernels over images and boxes
-inline constexpr int kUpdateThreads = 64;   ///< per block, in the kernel that updates blocks of the map
+inline constexpr int kUpdateThreads = 128;  ///< per block, in the kernel that updates blocks of the map
 inline constexpr int kParcelThreads = 128;  ///< per block, in kernels that move them: four voxels each
 
 template <typename T>

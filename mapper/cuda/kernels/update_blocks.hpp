@@ -33,7 +33,7 @@ struct UpdateState {
   std::uint32_t hits[kVoxels];       ///< as in the record
 };
 
-/// A thread has two neighbours in each of four bricks; the 32 threads that run together have the same bricks, so that
+/// A thread has two neighbours in each of two bricks; the 32 threads that run together have the same bricks, so that
 /// what holds for a brick holds for all of them.
 inline constexpr int kPairs = kVoxels / 2 / kUpdateThreads;
 [[nodiscard]] constexpr int brick_of(int t, int pair) { return t / 32 * kPairs + pair; }
@@ -104,7 +104,7 @@ inline G3D_GPU void look_at_voxels(const FrameParams& f, const Memory& m, Update
   load_voxels(m, s, t);
   const bool any_hits = s.item.record != kNone;
   std::uint32_t summary = 0;
-#pragma GCC unroll 1
+#pragma GCC unroll 2
   for (int pair = 0; pair < kPairs; ++pair) {
     const int first = place_of(t, pair);
     std::uint32_t bytes = 0;
