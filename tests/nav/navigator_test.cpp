@@ -107,7 +107,7 @@ class ListChooser final : public nav::GoalChooser {
   void goal_failed(nav::GoalFailure) override { ++next_, ++told_.failed; }
   void set_home(const hal::PlanarPose& home) override { home_ = home; }
   void set_energy_left(double) override {}
-  void return_home() override { next_ = goals_.size(); }
+  void return_home(bool) override { next_ = goals_.size(); }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
  private:
