@@ -25,7 +25,8 @@ TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
 ROOMS := $(wildcard board hal mapper nav net)
-LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/%,$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK)
+HELPER_SRC := $(wildcard mapper/cuda/helper/*.cpp)
+LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
 UNIT_SRC := $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' | sort)
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
@@ -51,6 +52,25 @@ LIB := $(BUILD)/libg3dmap.a
 PCH := $(BUILD)/tests/precompiled.hpp
 
 # One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
+# What the executable carries for NVIDIA cards (no toolkit is needed, but clang): kernels as PTX for every card since the
+# TX2's, and the helper program that loads the driver. A build without clang carries no kernels and maps on the CPU.
+PTX := $(BUILD)/kernels.ptx
+HELPER := $(BUILD)/g3dmap-helper
+PTX_CLANG ?= $(shell command -v clang++)
+PTX_FLAGS := -x cuda --cuda-device-only --cuda-gpu-arch=sm_62 --cuda-path=/nonexistent -nocudainc -nocudalib -std=c++20 -O3 \
+  -ffp-contract=off -fms-extensions -mllvm -inline-threshold=100000 -Xclang -target-feature -Xclang +ptx63 -I. -S
+$(PTX): mapper/cuda/kernels.cu
+	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(if $(PTX_CLANG),$(PTX_CLANG) $(PTX_FLAGS) -MMD -MP -MT $@ -MF $@.d -o $@ $<,: >$@)
+$(HELPER): $(HELPER_SRC) mapper/cuda/helper/driver.hpp mapper/cuda/helper/card_session.hpp mapper/cuda/helper_protocol.hpp \
+  mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp
+	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -static-libgcc -static-libstdc++ -o $@ $(HELPER_SRC) -ldl
+$(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
+$(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
+
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
@@ -79,6 +99,14 @@ $(LIB) $(SUPPORT):
 	@rm -f $@
 	@$(AR) rcs $@ $^
 
+# A driver without a card, for tests of the helper process.
+FAKE_CUDA := $(BUILD)/fake_cuda/libcuda.so.1
+$(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cuda/kernels/*.hpp mapper/cuda/helper/*.hpp)
+	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
+
+$(BUILD)/unit_tests: | $(FAKE_CUDA)
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
@@ -136,15 +164,20 @@ soak: build-test ## the long runs, hours of them; starts again where it was stop
 	scripts/soak
 
 SOURCES = $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
-TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline
+TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
 	@clang-format --dry-run -Werror $(SOURCES)
 	scripts/check-house
-tidy: ## clang-tidy on everything (slow)
-	printf '%s\n' $(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) | xargs -P $$(nproc) -n 4 \
-	  sh -c 'clang-tidy --quiet "$$@" -- $(TIDY_FLAGS)' tidy
+# A stamp per source: what was clean is looked at again only when it, a header of it or the list of checks changed.
+tidy: $(patsubst %.cpp,build/tidy/%.ok,$(MAIN_SRC) $(LIB_SRC) $(KERNEL_SRC) $(HELPER_SRC)) ## clang-tidy on what changed (slow at first; -j2 -k)
+build/tidy/%.ok: %.cpp .clang-tidy
+	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(CXX) $(TIDY_FLAGS) -MM -MP -MT $@ -MF $(@:.ok=.d) $<
+	$(Q)findings=$$(clang-tidy --quiet $< -- $(TIDY_FLAGS) 2>&1) || { echo "$$findings"; exit 1; }
+	@touch $@
 lint: house tidy ## house and tidy
 
 # The version is compiled into one object, and only when it changed.
@@ -169,7 +202,7 @@ $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
 # Tests are not what we measure; and a precompiled header wants the same options as its users.
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
 # Where the time of a frame goes, the last optimisation counts.
-HOT := $(addprefix $(BUILD)/,mapper/cpu/% hal/sim/% nav/astar.o nav/distance_field.o nav/inflation.o nav/column_evidence.o)
+HOT := $(addprefix $(BUILD)/,mapper/cpu/% mapper/cuda/mirror.o hal/sim/% nav/astar.o nav/distance_field.o nav/inflation.o nav/column_evidence.o)
 $(filter $(HOT),$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
 
 READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
@@ -198,4 +231,4 @@ $(BUILD)/%.o: %.cpp
 clean: ## removes build/
 	rm -rf build
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+-include $(shell find $(BUILD) build/tidy -name '*.d' 2>/dev/null)

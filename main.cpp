@@ -90,8 +90,15 @@ void add_patience(CLI::App& command, MappingOptions& options) {
       ->capture_default_str();
 }
 
+void add_mapper_option(CLI::App& command, MappingOptions& options) {
+  command.add_option("--mapper", options.mapper, "Where the map is computed; auto: by an NVIDIA card if there is one")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+}
+
 void add_live_options(CLI::App& command, LiveOptions& live) {
   MappingOptions& options = live.mapping;
+  add_mapper_option(command, options);
   command.add_option("--board", options.board_path, "Board file (toml): which base, which camera")->required();
   command.add_option("--out", options.out_dir, "Folder for map, trajectory and report; without it nothing is written");
   command.add_option("--world", live.world, "The simulated building: built-in name, world file or map_server yaml")
@@ -124,9 +131,7 @@ void add_mapping_options(CLI::App& command, MappingOptions& options) {
       ->check(CLI::IsMember({"dda", "bresenham", "projective"}));
   command.add_option("--mode", options.mode, "static keeps occupied voxels only")
       ->check(CLI::IsMember({"static", "dynamic"}));
-  command.add_option("--mapper", options.mapper, "Where the map is computed")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
-      ->capture_default_str();
+  add_mapper_option(command, options);
   command.add_option("--threads", options.threads, "Threads of the mapper; the map is the same for any number")
       ->check(CLI::Range(1, 64));
   command.add_option("--rate", options.rate, "Real time, this many times as fast as recorded; 0: as fast as possible")

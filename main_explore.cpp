@@ -194,7 +194,6 @@ class Exploration {
 int run_explore(const SimOptions& options, const std::string& command_line) {
   const MappingOptions& mapping = options.mapping;
   if (const std::string problem = contradiction(options); !problem.empty()) return bad_usage(problem);
-  if (mapping.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
   const auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
@@ -234,6 +233,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   hal::SimBuilding building(std::move(world).value(), building_options);
   hal::RealClock clock;
   nav::Robot robot(config, clock);
+  if (const auto missing = missing_card(robot.mapper(), mapping)) return fail(*missing);
   nav::CoverageMeter coverage(observable.value());
   catch_stop_signals();
   nav::Hotline hotline;
@@ -289,6 +289,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   report.refused_blocks = robot.refused_blocks();
   report.file_bytes = outputs.map_file_bytes;
   report.hash = mapper::map_hash(robot.mapper().map());
+  report_mapper(robot.mapper(), report);
   report.command = command_line;
   report.version = mapper::version();
   report.seed = mapping.seed;

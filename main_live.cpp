@@ -65,6 +65,7 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   report.memory_bytes = robot.mapper().map().memory().used_bytes;
   report.refused_blocks = robot.refused_blocks();
   report.hash = mapper::map_hash(robot.mapper().map());
+  report_mapper(robot.mapper(), report);
   report.command = command_line;
   report.version = mapper::version();
   report.seed = options.mapping.seed;

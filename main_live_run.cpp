@@ -12,6 +12,7 @@
 #include "hal/linux/cpu_time.hpp"
 #include "hal/linux/usb_serial.hpp"
 #include "hal/sim/load_world.hpp"
+#include "main_setup.hpp"
 
 namespace g3d {
 namespace {
@@ -106,6 +107,9 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz) {
   nav::RobotThreadsConfig threads;
   threads.robot = config_;
   robot_ = std::make_unique<nav::RobotThreads>(threads, parts);
+  if (const auto missing = missing_card(robot_->mapper(), options_.mapping)) {
+    return hal::Error{hal::Reason::unsupported, *missing};
+  }
   auto control = open_control(options_.staging, options_.mapping.out_dir, robot_->hotline());
   if (!control) return control.error();
   control_ = std::move(control).value();

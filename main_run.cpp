@@ -159,7 +159,6 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   if (options.checkpoint_s > 0.0 && board.map_window_radius_m > 0.0) {
     return bad_usage("--checkpoint saves what is in memory, so it does not go with --window; give one of them");
   }
-  if (options.mapper == "cuda") return fail("--mapper cuda: not in this build; use --mapper cpu or auto");
   if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
   const std::string trajectory_path = options.out_dir + "/trajectory.tum";
   auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
@@ -175,6 +174,7 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   const mapper::MapperConfig config = mapper_config(board, options);
   if (const auto problem = mapper::config_problem(config, source.camera.model())) return fail(*problem);
   mapper::Mapper mapper(config, source.camera.model(), mask);
+  if (const auto missing = missing_card(mapper, options)) return fail(*missing);
   hal::RealClock clock;
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
   mapper::RunSink sink(trajectory.value(), bar, clock);
@@ -217,6 +217,7 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   report.free = counts.free;
   report.memory_bytes = memory_bytes;
   report.paging = paging;
+  report_mapper(mapper, report);
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
   if (window != nullptr && !window->first_error().empty()) report.notes.push_back(window->first_error());
   if (!is_all_in_memory) {

@@ -55,7 +55,25 @@ mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptio
   config.with_colour = !options.no_colour;
   config.threads = board.map_threads;
   config.capacity = mapper::capacity_for_bytes(static_cast<std::size_t>(board.map_memory_mb) * 1'000'000);
+  config.backend = options.mapper == "cpu"    ? mapper::Backend::cpu
+                   : options.mapper == "cuda" ? mapper::Backend::cuda
+                                              : mapper::Backend::automatic;
   return config;
+}
+
+std::optional<std::string> missing_card(const mapper::Mapper& mapper, const MappingOptions& options) {
+  if (options.mapper != "cuda" || std::string_view(mapper.backend_name()) == "cuda") return std::nullopt;
+  return fmt::format("--mapper cuda: {}; use --mapper cpu or auto", mapper.card().problem);
+}
+
+void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report) {
+  report.mapper = mapper.backend_name();
+  const mapper::CardReport card = mapper.card();
+  if (card.name.empty()) return;
+  std::string note =
+      fmt::format("{} frames by {}, {} by the processor", card.frames_on_card, card.name, card.frames_on_cpu);
+  if (card.losses > 0) note += fmt::format("; the card was lost {} times, at last: {}", card.losses, card.problem);
+  report.notes.push_back(std::move(note));
 }
 
 hal::CameraModel camera_model(const board::Board& board) {

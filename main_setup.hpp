@@ -13,6 +13,7 @@
 #include "main_commands.hpp"
 #include "mapper/mapper.hpp"
 #include "mapper/pipeline.hpp"
+#include "mapper/report.hpp"
 
 namespace g3d {
 
@@ -20,6 +21,10 @@ namespace g3d {
 [[nodiscard]] hal::Result<board::Board> effective_board(const MappingOptions& options);
 [[nodiscard]] mapper::MapperConfig mapper_config(const board::Board& board, const MappingOptions& options);
 [[nodiscard]] hal::CameraModel camera_model(const board::Board& board);
+/// A sentence if the command line insists on a card and the mapper has none.
+[[nodiscard]] std::optional<std::string> missing_card(const mapper::Mapper& mapper, const MappingOptions& options);
+/// Says in the report where the map was computed.
+void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report);
 /// T_base_camera of the camera as the board has it mounted.
 [[nodiscard]] hal::Pose mount_pose(const board::Board& board);
 /// `text`: "X0,Y0,X1,Y1" in metres, or empty for none. `option` is what errors (bad_usage) call it.

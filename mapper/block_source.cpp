@@ -19,7 +19,7 @@ hal::Result<void> MemoryBlocks::visit_regions(const Visit& visit) const {
       map_.read_stored_block(blocks[count].key, blocks[count].values);
       ++count;
     }
-    if (const auto done = visit(std::span(blocks).first(count)); !done) return done;
+    if (auto done = visit(std::span(blocks).first(count)); !done) return done;
     begin += count;
   }
   return {};

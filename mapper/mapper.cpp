@@ -13,6 +13,7 @@
 #include "mapper/cpu/projective.hpp"
 #include "mapper/cpu/ray_ends.hpp"
 #include "mapper/cpu/ray_grid.hpp"
+#include "mapper/cuda/card_keeper.hpp"
 
 namespace g3d::mapper {
 namespace {
@@ -84,7 +85,11 @@ struct Mapper::Parts {
         updater(map, sensor, settings.steps),
         free_space(make_free_space(settings, sensor)) {
     map.touch();
+    if (settings.backend != Backend::cpu) card = std::make_unique<cuda::CardKeeper>(config, sensor, scan_mask, map);
   }
+
+  void integrate_here(const hal::Frame& frame, const cpu::FrameGeometry& geometry, const std::uint8_t* rgb,
+                      FrameReport& report);
 
   /// Hits that no free block took along: all of them in static mode.
   void offer_remaining_hits(const cpu::FrameGeometry& frame, std::uint32_t chunk) {
@@ -106,6 +111,8 @@ struct Mapper::Parts {
   cpu::HitScatter hits;
   cpu::BlockUpdater updater;
   std::unique_ptr<cpu::FreeSpace> free_space;
+  std::unique_ptr<cuda::CardKeeper> card;
+  bool last_on_card = false;
   std::uint32_t frame_number = 0;
 };
 
@@ -125,28 +132,32 @@ FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_
   }
   ++p.frame_number;
   const std::uint8_t* rgb = p.config.with_colour && frame.has_colour ? frame.rgb.get() : nullptr;
-  p.ends.compute(frame.depth.get(), p.kernels, p.pool);
-  p.hits.clear();
-  p.hits.compute(*geometry, p.ends, rgb, p.kernels, p.pool);
-  std::uint32_t last_chunk = 0;
-  if (p.free_space != nullptr) {
-    p.pyramid.compute(p.ends, p.kernels, p.pool);
-    p.free_space->offer(
-        {p.sensor, *geometry, p.ends, p.pyramid, p.hits, p.updater, p.kernels, p.pool, rgb != nullptr, p.frame_number});
-    last_chunk = p.updater.chunks() - 1;
-  } else {
-    p.updater.begin(*geometry, rgb != nullptr, p.kernels, p.frame_number, 1, geometry->block_count(),
-                    p.pool.threads() == 1);
-  }
-  p.offer_remaining_hits(*geometry, last_chunk);
-  report.refused_blocks = p.updater.finish(p.pool);
+  p.last_on_card = p.card != nullptr && p.card->integrate(frame, *geometry, rgb != nullptr, p.frame_number, report);
+  if (!p.last_on_card) p.integrate_here(frame, *geometry, rgb, report);
   if (report.refused_blocks > 0) report.status = FrameStatus::pool_full;
-  report.valid_pixels = p.ends.counts().valid;
-  report.too_near_pixels = p.ends.counts().too_near;
-  report.far_pixels = p.ends.counts().far;
-  report.invalid_pixels = p.ends.counts().invalid;
-  report.hit_blocks = p.hits.block_count();
   return report;
+}
+
+void Mapper::Parts::integrate_here(const hal::Frame& frame, const cpu::FrameGeometry& geometry, const std::uint8_t* rgb,
+                                   FrameReport& report) {
+  ends.compute(frame.depth.get(), kernels, pool);
+  hits.clear();
+  hits.compute(geometry, ends, rgb, kernels, pool);
+  std::uint32_t last_chunk = 0;
+  if (free_space != nullptr) {
+    pyramid.compute(ends, kernels, pool);
+    free_space->offer({sensor, geometry, ends, pyramid, hits, updater, kernels, pool, rgb != nullptr, frame_number});
+    last_chunk = updater.chunks() - 1;
+  } else {
+    updater.begin(geometry, rgb != nullptr, kernels, frame_number, 1, geometry.block_count(), pool.threads() == 1);
+  }
+  offer_remaining_hits(geometry, last_chunk);
+  report.refused_blocks = updater.finish(pool);
+  report.valid_pixels = ends.counts().valid;
+  report.too_near_pixels = ends.counts().too_near;
+  report.far_pixels = ends.counts().far;
+  report.invalid_pixels = ends.counts().invalid;
+  report.hit_blocks = hits.block_count();
 }
 
 void Mapper::free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m) {
@@ -181,7 +192,22 @@ void Mapper::free_footprint(const std::array<double, 3>& base_m, double radius_m
   }
 }
 
-std::span<const std::uint32_t> Mapper::changed_slots() const { return parts_->updater.changed_slots(); }
+std::span<const std::uint32_t> Mapper::changed_slots() const {
+  return parts_->last_on_card ? parts_->card->changed_slots() : parts_->updater.changed_slots();
+}
+
+const char* Mapper::backend_name() const {
+  const bool on_card =
+      parts_->frame_number == 0 ? parts_->card != nullptr && parts_->card->is_ready() : parts_->last_on_card;
+  return on_card ? "cuda" : "cpu";
+}
+CardReport Mapper::card() const {
+  if (parts_->card == nullptr) return {};
+  CardReport report = parts_->card->report();
+  report.in_use = parts_->last_on_card;
+  return report;
+}
+int Mapper::card_process() const { return parts_->card != nullptr ? parts_->card->process() : -1; }
 VoxelMap& Mapper::map() { return parts_->map; }
 const VoxelMap& Mapper::map() const { return parts_->map; }
 const MapperConfig& Mapper::config() const { return parts_->config; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Posed frame in, changed blocks out: the one interface behind which the integrators (and later the CUDA twin) stand.
+// Posed frame in, changed blocks out: the one interface behind which the integrators and both twins stand.
 // Thread: all calls from the mapper thread. After construction integrate() allocates nothing.
 #pragma once
 
@@ -22,6 +22,12 @@ enum class MapMode : std::uint8_t {
   static_mode,   ///< registers only occupied voxels
   dynamic_mode,  ///< occupied, free, and (by absence) unknown
 };
+/// Where maps are computed. All give the same map.
+enum class Backend : std::uint8_t {
+  cpu,
+  cuda,       ///< an NVIDIA card; while there is none, the CPU
+  automatic,  ///< the same, but nobody insists
+};
 [[nodiscard]] const char* to_string(IntegratorKind kind);
 [[nodiscard]] const char* to_string(MapMode mode);
 [[nodiscard]] std::optional<IntegratorKind> integrator_from_string(std::string_view name);
@@ -39,6 +45,19 @@ struct MapperConfig {
   bool with_colour = true;
   int threads = 1;  ///< 1..64, the calling thread included
   MapCapacity capacity;
+  Backend backend = Backend::cpu;
+  std::int64_t card_patience_ns = 33'000'000;  ///< a card that takes longer for a frame is taken for hung
+};
+
+/// What became of the card.
+struct CardReport {
+  bool in_use = false;  ///< the last frame was integrated there
+  std::string name;     ///< empty: there never was one
+  std::string problem;  ///< why not, or why it was lost; empty: nothing went wrong
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t frames_on_card = 0;
+  std::uint64_t frames_on_cpu = 0;  ///< since there was to be a card
+  std::uint32_t losses = 0;  ///< times that its helper died, hung or failed; the CPU took over in that very frame
 };
 
 /// Why a Mapper cannot be built for this camera: a sentence with the remedy. Call it before the constructor with what
@@ -77,6 +96,12 @@ class Mapper {
 
   /// Slots of the blocks that the last integrate() changed, each once. Valid until the next call.
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const;
+
+  /// "cuda" if the last frame was integrated by a card (before the first one: would be), else "cpu".
+  [[nodiscard]] const char* backend_name() const;
+  [[nodiscard]] CardReport card() const;
+  /// The process that owns the card, -1 if there is none. For tests.
+  [[nodiscard]] int card_process() const;
 
   [[nodiscard]] VoxelMap& map();
   [[nodiscard]] const VoxelMap& map() const;

@@ -151,7 +151,7 @@ std::vector<BlockKey> blocks_in(const VoxelMap& map, const VoxelBox& box) {
   std::vector<BlockKey> keys;
   if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) return keys;
   const auto blocks_along = [](std::int32_t low, std::int32_t high) {
-    return static_cast<std::uint64_t>((high >> 3) - (low >> 3) + 1);
+    return static_cast<std::uint64_t>((high >> 3) - (low >> 3)) + 1;
   };
   const std::uint64_t in_box =
       blocks_along(box.low.x, box.high.x) * blocks_along(box.low.y, box.high.y) * blocks_along(box.low.z, box.high.z);
@@ -183,7 +183,7 @@ BoxCounts counts_in(const VoxelMap& map, const VoxelBox& box) {
   for_each_known_in(map, box, [&](const VoxelIndex&, Rgbo value) {
     ++(state_of(value) == State::occupied ? counts.occupied : counts.free);
   });
-  const auto along = [](std::int32_t low, std::int32_t high) { return static_cast<std::uint64_t>(high - low + 1); };
+  const auto along = [](std::int32_t low, std::int32_t high) { return static_cast<std::uint64_t>(high - low) + 1; };
   const std::uint64_t all = along(box.low.x, box.high.x) * along(box.low.y, box.high.y) * along(box.low.z, box.high.z);
   counts.unknown = all - counts.occupied - counts.free;
   return counts;

@@ -80,6 +80,7 @@ std::uint32_t VoxelMap::find_or_insert(BlockKey key) {
 bool VoxelMap::erase_block(BlockKey key) {
   std::uint32_t hole = table_place(key);
   if (table_[hole] == 0) return false;
+  if (journal_ != nullptr) journal_->note(key);
   const std::uint32_t slot = table_[hole] - 1;
   BlockHeader& header = headers_[slot];
   header.sequence.fetch_add(1, std::memory_order_acq_rel);
@@ -104,6 +105,7 @@ bool VoxelMap::erase_block(BlockKey key) {
 }
 
 void VoxelMap::clear() {
+  if (journal_ != nullptr) journal_->everything = true;
   table_.reset();
   headers_.reset();
   planes_.reset();
@@ -227,6 +229,7 @@ bool VoxelMap::write_block(BlockKey key, const BlockValues& values) {
     return false;
   }
 
+  if (journal_ != nullptr) journal_->note(key);
   BlockHeader& header = headers_[find_or_insert(key)];
   header.sequence.fetch_add(1, std::memory_order_acq_rel);
   if (uniform) {

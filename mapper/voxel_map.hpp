@@ -69,6 +69,26 @@ struct MapMemory {
   std::size_t reserved_bytes = 0;  ///< what the pools may grow to
 };
 
+/// Keys of blocks that were written or erased as a whole, for a twin that keeps a copy of the map. Room for a fixed
+/// number; when it runs out, everything counts as changed.
+struct BlockJournal {
+  explicit BlockJournal(std::size_t room) : keys(room) {}
+  void note(BlockKey key) {
+    if (count < keys.size()) {
+      keys[count++] = key;
+    } else {
+      everything = true;
+    }
+  }
+  void clear() {
+    count = 0;
+    everything = false;
+  }
+  ReservedArray<BlockKey> keys;
+  std::size_t count = 0;
+  bool everything = false;
+};
+
 class VoxelMap {
  public:
   VoxelMap(Grid grid, MapCapacity capacity);
@@ -105,6 +125,8 @@ class VoxelMap {
   void clear();
   /// Has the system provide the hash table and the first part of every pool now. For a map that frames will fill.
   void touch();
+  /// From now on write_block(), erase_block() and clear() are noted there; nullptr: nowhere.
+  void set_journal(BlockJournal* journal) { journal_ = journal; }
 
   // For integrators: slots are stable until erase_block().
   [[nodiscard]] std::uint32_t find(BlockKey key) const;
@@ -140,6 +162,7 @@ class VoxelMap {
   SlotPool<BlockHeader> headers_;
   SlotPool<LevelPlane> planes_;
   SlotPool<ColourBrick> bricks_;
+  BlockJournal* journal_ = nullptr;
 };
 
 /// Level and colour of one voxel inside a block, in stored form (with kHasColourBit).

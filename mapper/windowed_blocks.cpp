@@ -39,7 +39,7 @@ hal::Result<void> WindowedBlocks::visit_regions(const Visit& visit) const {
                                     [](const StoredBlock& block) { return !is_known(block.values); });
     const auto known = static_cast<std::size_t>(end - all.begin());
     if (known == 0) continue;
-    if (const auto done = visit(std::span<const StoredBlock>(all).first(known)); !done) return done;
+    if (auto done = visit(std::span<const StoredBlock>(all).first(known)); !done) return done;
   }
   return {};
 }

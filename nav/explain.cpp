@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace g3d::nav {
+namespace {
+
+constexpr int kPlace_units = 5;
+
+}  // namespace
 
 void Explanation::reset(std::size_t targets) {
   seen_in_.assign(targets, 0);
@@ -29,12 +34,31 @@ bool Explanation::has_room_to_look_from(const CellGrid<CellState>& ground, Cell 
 FrontiersLeft Explanation::explain(const CellGrid<CellState>& ground, const FrontierMap& frontiers,
                                    const Targets& targets, const SetAside& aside, const Viewpoints& places,
                                    double near_m, bool any_open) {
+  begin();
+  WorkBudget budget = WorkBudget::unlimited();
+  (void)note_seen(targets, places, budget);
+  return name_reasons(ground, frontiers, targets, aside, near_m, any_open);
+}
+
+void Explanation::begin() {
   ++round_;
-  for (const std::uint32_t slot : places.useful()) {
-    for (const RayGain& ray : places.place(slot).gain) {
+  next_ = 0;
+}
+
+bool Explanation::note_seen(const Targets& targets, const Viewpoints& places, WorkBudget& budget) {
+  for (; next_ < places.useful().size(); ++next_) {
+    if (budget.is_spent()) return false;
+    budget.spend(kPlace_units);
+    for (const RayGain& ray : places.place(places.useful()[next_]).gain) {
       if (ray.entry != RayGain::kNothing) seen_in_[targets.of_cell(ray.entry)] = round_;
     }
   }
+  return true;
+}
+
+FrontiersLeft Explanation::name_reasons(const CellGrid<CellState>& ground, const FrontierMap& frontiers,
+                                        const Targets& targets, const SetAside& aside, double near_m,
+                                        bool any_open) const {
   FrontiersLeft left;
   for (const FrontierCluster& cluster : frontiers.clusters()) {
     bool inside = false;

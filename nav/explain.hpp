@@ -10,6 +10,7 @@
 #include "nav/set_aside.hpp"
 #include "nav/view_tour.hpp"
 #include "nav/viewpoints.hpp"
+#include "nav/work_budget.hpp"
 
 namespace g3d::nav {
 
@@ -21,12 +22,19 @@ class Explanation {
   [[nodiscard]] FrontiersLeft explain(const CellGrid<CellState>& ground, const FrontierMap& frontiers,
                                       const Targets& targets, const SetAside& aside, const Viewpoints& places,
                                       double near_m, bool any_open);
+  /// The first half of it in pieces: note_seen() until it says true, then name_reasons().
+  void begin();
+  [[nodiscard]] bool note_seen(const Targets& targets, const Viewpoints& places, WorkBudget& budget);
+  [[nodiscard]] FrontiersLeft name_reasons(const CellGrid<CellState>& ground, const FrontierMap& frontiers,
+                                           const Targets& targets, const SetAside& aside, double near_m,
+                                           bool any_open) const;
 
  private:
   [[nodiscard]] bool has_room_to_look_from(const CellGrid<CellState>& ground, Cell frontier, double near_m) const;
 
   std::vector<std::uint32_t> seen_in_;  ///< per target: round in which a place was found that sees it
   std::uint32_t round_ = 0;
+  std::size_t next_ = 0;  ///< of the useful places
 };
 
 }  // namespace g3d::nav

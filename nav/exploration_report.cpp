@@ -29,7 +29,7 @@ void write_contacts(mapper::JsonWriter& json, const std::vector<ContactSeen>& co
     json.member("x_m", milli(contact.x_m)).member("y_m", milli(contact.y_m));
     json.member("speed_mps", milli(contact.speed_mps)).member("bumper_flags", contact.bumper_flags);
     json.member("solid", contact.solid).member("moving", contact.is_moving);
-    json.member("measurable", contact.is_measurable).end_object();
+    json.member("measurable", contact.is_measurable).member("ran_into", contact.is_run_into).end_object();
   }
   json.end_array();
 }
@@ -45,11 +45,12 @@ OutsideView outside_view(const hal::RobotRecord& record) {
   view.contacts = record.contacts;
   view.contacts_measurable = record.contacts_measurable;
   view.contacts_moving = record.contacts_moving;
+  view.contacts_ran_into = record.contacts_ran_into;
   view.fastest_contact_mps = record.fastest_contact_mps;
   view.closest_clearance_m = record.closest_clearance_m;
   for (const hal::ContactEvent& event : record.events) {
     view.contact_list.push_back({static_cast<double>(event.time_ns) / 1e9, event.at.x_m, event.at.y_m, event.speed_mps,
-                                 event.bumper, event.solid, event.moving, event.measurable});
+                                 event.bumper, event.solid, event.moving, event.measurable, event.ran_into});
   }
   return view;
 }
@@ -71,6 +72,7 @@ void write_exploration(mapper::JsonWriter& json, const ExplorationReport& report
     const OutsideView& outside = *report.outside;
     json.member("collisions", outside.contacts).member("collisions_measurable", outside.contacts_measurable);
     json.member("collisions_moving", outside.contacts_moving);
+    json.member("collisions_ran_into", outside.contacts_ran_into);
     json.member("fastest_collision_mps", milli(outside.fastest_contact_mps));
     json.member("closest_clearance_m", milli(outside.closest_clearance_m));
     write_contacts(json, outside.contact_list);

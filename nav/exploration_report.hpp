@@ -29,6 +29,7 @@ struct ContactSeen {
   std::int32_t solid = -1;        ///< which of the world's primitives; -1: a wall of its grid
   bool is_moving = false;         ///< a person or another robot
   bool is_measurable = false;     ///< the camera could have measured it beforehand
+  bool is_run_into = false;       ///< the robot stood still, and who moves came against it
 };
 
 /// What only somebody outside of the robot knows: a simulation. Nothing of it on a real one.
@@ -36,6 +37,7 @@ struct OutsideView {
   std::uint64_t contacts = 0;             ///< with anything, however softly
   std::uint64_t contacts_measurable = 0;  ///< of these, with what the camera could have measured beforehand
   std::uint64_t contacts_moving = 0;      ///< with people and robots
+  std::uint64_t contacts_ran_into = 0;    ///< of these, while the robot stood; the other counts have them, too
   double fastest_contact_mps = 0.0;
   double closest_clearance_m = 0.0;
   std::vector<ContactSeen> contact_list;  ///< in order of time; the first of them if there are very many

@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
-#include "nav/explain.hpp"
-#include "nav/frontier.hpp"
-#include "nav/road_grid.hpp"
+#include "nav/glances.hpp"
 #include "nav/set_aside.hpp"
-#include "nav/view_gain.hpp"
-#include "nav/view_tour.hpp"
-#include "nav/viewpoints.hpp"
+#include "nav/tour_search.hpp"
 
 namespace g3d::nav {
 namespace {
@@ -26,6 +22,8 @@ constexpr TimeNs kKeepPlan_ns = 10'000'000'000;
 constexpr double kRichViews_cells[] = {150.0, 40.0};  ///< of 5 cm: looked at before poorer ones
 constexpr double kGainPerDrive_cellps = 0.3;          ///< cells of 5 cm that a second of driving must show at least
 constexpr double kTurnAround_rad = 6.283185307179586;
+constexpr int kGlancesPerLook = 2;  ///< so many glances on the way in vain count like one look of its own
+constexpr double kAllInVain = 0.9;  ///< of what a look was to show is still hidden
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
 constexpr double kPatienceFactor = 4.0;
@@ -44,14 +42,17 @@ struct Explorer::State {
   enum class Stage : std::uint8_t { start, looking_around, exploring, going_home, at_home };
 
   void reset(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost);
-  void take_changes(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                    std::span<const std::uint32_t> changed);
+  void reset_aside(const CellGrid<CellState>& ground);
+  [[nodiscard]] bool has_geometry_of(const CellGrid<CellState>& ground) const;
   [[nodiscard]] bool in_area(double x_m, double y_m) const;
   [[nodiscard]] bool goal_still_pays(const CellGrid<CellState>& ground);
+  void note_goal_is_over(const CellGrid<CellState>& ground, TimeNs now);
   void note_fruitless(const CellGrid<CellState>& ground, TimeNs now);
   void note_blocked(const CellGrid<CellState>& ground, TimeNs now);
-  [[nodiscard]] std::span<const View> plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                                           const PlanarPose& robot);
+  [[nodiscard]] std::optional<Decision> begin_search(const CellGrid<CellState>& ground, const PlanarPose& robot,
+                                                     TimeNs now);
+  [[nodiscard]] Decision take_tour(const CellGrid<CellState>& ground, const PlanarPose& robot, TimeNs now);
+  [[nodiscard]] Decision look_around(const PlanarPose& robot, bool is_new) const;
   [[nodiscard]] Decision goal_decision(const CellGrid<CellState>& ground, bool is_new) const;
   [[nodiscard]] Decision home_decision(const PlanarPose& robot);
   void turn_home();
@@ -62,26 +63,21 @@ struct Explorer::State {
   int rows = 0;
   double origin_x_m = 0.0;
   double origin_y_m = 0.0;
+  double resolution_m = 0.05;
   double min_gain_cells = 6.0;
-  FrontierMap frontiers;
-  RoadGrid roads;
-  std::unique_ptr<ViewGain> camera;
-  Viewpoints places;
-  Targets targets;
-  ViewTour tour;
+  TourSearch search;
   SetAside aside;
-  TravelField from_robot;
-  Explanation explanation;
-  PanoramaGain panorama;
+  Glances glances;
 
   Stage stage = Stage::start;
   bool has_home = false;
   PlanarPose home;
   double energy_left_s = std::numeric_limits<double>::infinity();
   Goal goal;
+  bool is_searching = false;
+  bool goal_pays = false;  ///< as of the beginning of the search
   bool reached = false;
   bool failed = false;
-  GoalFailure failure = GoalFailure::no_path;
   TimeNs planned_at = 0;
   std::size_t changes = 0;
   bool homeward_is_new = false;
@@ -94,40 +90,38 @@ void Explorer::State::reset(const CellGrid<CellState>& ground, const CellGrid<st
   rows = ground.rows;
   origin_x_m = ground.origin_x_m;
   origin_y_m = ground.origin_y_m;
+  resolution_m = ground.resolution_m;
   const double area = ground.resolution_m * ground.resolution_m / (0.05 * 0.05);
   min_gain_cells = config.min_gain_cells / area;
-  const ViewModel model{config.near_m, config.far_m, config.view_rad, config.camera_forward_m, kHope_m};
-  camera = std::make_unique<ViewGain>(model, ground.resolution_m);
-  frontiers.reset(ground);
-  roads.reset(cost, config.body_radius_m);
-  roads.size_field(from_robot);
-  places.reset(ground, roads);
-  targets.reset(columns, rows);
+  SearchConfig c;
+  c.body_radius_m = config.body_radius_m;
+  c.view = {config.near_m, config.far_m, config.view_rad, config.camera_forward_m, kHope_m};
+  c.tour.speed_mps = config.speed_mps;
+  c.tour.turn_radps = config.turn_radps;
+  c.tour.min_gain_cells = min_gain_cells;
+  c.tour.gain_per_drive_s = kGainPerDrive_cellps / area;
+  c.max_casts = config.max_views_per_decision;
+  const double scale = min_gain_cells / config.min_gain_cells;
+  for (std::size_t i = 0; i < std::size(kRichViews_cells); ++i) c.rich_gains_cells[i] = kRichViews_cells[i] * scale;
+  search.reset(ground, cost, c);
+  reset_aside(ground);
+  goal.active = is_searching = false;
+}
+
+void Explorer::State::reset_aside(const CellGrid<CellState>& ground) {
+  const Targets& targets = search.targets();
   aside.reset(targets.size(), config.max_tries, config.set_aside_s);
+  glances.reset(targets);
+  if (config.area_max_x_m <= config.area_min_x_m || config.area_max_y_m <= config.area_min_y_m) return;
   for (std::uint32_t i = 0; i < ground.cells.size(); ++i) {
     const Cell c = ground.cell(i);
     if (!in_area(ground.centre_x_m(c), ground.centre_y_m(c))) aside.exclude(targets.of_cell(i));
   }
-  TourConfig t;
-  t.speed_mps = config.speed_mps;
-  t.turn_radps = config.turn_radps;
-  t.min_gain_cells = min_gain_cells;
-  t.gain_per_drive_s = kGainPerDrive_cellps / area;
-  tour.reset(roads, targets, t, camera->window());
-  explanation.reset(targets.size());
-  goal.active = false;
 }
 
-void Explorer::State::take_changes(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                                   std::span<const std::uint32_t> changed) {
-  if (ground.columns != columns || ground.rows != rows || ground.origin_x_m != origin_x_m ||
-      ground.origin_y_m != origin_y_m) {
-    reset(ground, cost);
-    return;
-  }
-  frontiers.update(ground, changed);
-  roads.update(cost, changed);
-  places.note_changes(changed);
+bool Explorer::State::has_geometry_of(const CellGrid<CellState>& ground) const {
+  return ground.columns == columns && ground.rows == rows && ground.origin_x_m == origin_x_m &&
+         ground.origin_y_m == origin_y_m;
 }
 
 bool Explorer::State::in_area(double x_m, double y_m) const {
@@ -137,67 +131,62 @@ bool Explorer::State::in_area(double x_m, double y_m) const {
 }
 
 bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
-  camera->look(ground, goal.cell, panorama);
-  const double gain = tour.gain_of(panorama, goal.view.first_bearing, targets, aside.ignored());
+  double gain = 0.0;
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    if (ray.entry == RayGain::kNothing || aside.ignored()[search.targets().of_cell(ray.entry)] != 0) continue;
+    gain += static_cast<double>(ray.cells);
+  }
   return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
-/// It stood there and looked: what it was promised to see and did not, it will not see from there.
+/// It stood there and looked: what it was promised to see and did not, it will not see from there, and hardly from
+/// elsewhere if it was glanced at from several places before.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
   const double promised = static_cast<double>(goal.view.gain_cells) * config.min_gain_cells / min_gain_cells;
-  const int weight = promised < kRichViews_cells[1] ? config.max_tries : 1;
-  camera->look(ground, goal.cell, panorama);
-  for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
-    const RayGain& ray =
-        panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
-    if (ray.entry != RayGain::kNothing) {
-      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::fruitless, now, weight);
-    }
+  double still_cells = 0.0;
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    still_cells += static_cast<double>(ray.cells);
+  }
+  // A look that has shown nothing at all would show nothing a second time.
+  const bool all_in_vain = still_cells >= kAllInVain * static_cast<double>(goal.view.gain_cells);
+  const int least_weight = promised < kRichViews_cells[1] ? config.max_tries : all_in_vain ? 2 : 1;
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    if (ray.entry == RayGain::kNothing) continue;
+    const std::uint32_t target = search.targets().of_cell(ray.entry);
+    const int weight = std::max(least_weight, 1 + glances.count(target) / kGlancesPerLook);
+    aside.target_failed(target, SetAside::Cause::fruitless, now, weight);
   }
 }
 
 void Explorer::State::note_blocked(const CellGrid<CellState>& ground, TimeNs now) {
   aside.place_failed(goal.cell, now);
-  camera->look(ground, goal.cell, panorama);
-  for (int k = 0; k < camera->window() * kRaysPerBearing; ++k) {
-    const RayGain& ray =
-        panorama[static_cast<std::size_t>((goal.view.first_bearing * kRaysPerBearing + k) % kViewRays)];
-    if (ray.entry != RayGain::kNothing) {
-      aside.target_failed(targets.of_cell(ray.entry), SetAside::Cause::blocked, now);
-    }
+  for (const RayGain& ray : search.look(ground, goal.cell, goal.view.first_bearing)) {
+    if (ray.entry == RayGain::kNothing) continue;
+    aside.target_failed(search.targets().of_cell(ray.entry), SetAside::Cause::blocked, now);
   }
 }
 
-std::span<const View> Explorer::State::plan(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                                            const PlanarPose& robot) {
-  const int near_cells = static_cast<int>(kSamePlace_m / ground.resolution_m);
-  const double scale = min_gain_cells / config.min_gain_cells;
-  const auto allowed = [&](const Place& place) {
-    return in_area(ground.centre_x_m(place.cell), ground.centre_y_m(place.cell)) &&
-           !aside.is_place_resting(place.cell, near_cells);
-  };
-  for (;;) {
-    const bool complete =
-        places.refresh(ground, cost, roads, from_robot, frontiers, *camera, config.max_views_per_decision);
-    const bool keep = goal.active && places.place(goal.view.slot).cell == goal.cell;
-    tour.keep(keep ? &goal.view : nullptr);
-    // What is rich first, so that the tour is not drawn into every corner; then what is left.
-    for (const double least : {kRichViews_cells[0] * scale, kRichViews_cells[1] * scale, min_gain_cells}) {
-      tour.set_min_gain(std::max(least, min_gain_cells));
-      const std::span<const View> views =
-          tour.plan(places, roads, from_robot, robot, targets, aside.ignored(), std::ref(allowed));
-      if (!views.empty()) return views;
-    }
-    if (complete) return {};
-  }
+void Explorer::State::note_goal_is_over(const CellGrid<CellState>& ground, TimeNs now) {
+  if (goal.active && reached) note_fruitless(ground, now);
+  if (goal.active && failed) note_blocked(ground, now);
+  if (reached || failed) goal.active = false;
+  reached = failed = false;
 }
 
 bool Explorer::State::needs_energy_for_home(const CellGrid<CellState>& ground) const {
   const Cell c = ground.cell_of(home.x_m, home.y_m);
   if (!ground.contains(c)) return false;
-  const std::int32_t tenths = from_robot.distance[roads.road_of(c)];
-  const double way_s = tenths == TravelField::kNever ? 0.0 : tenths * roads.step_m() / 10 / config.speed_mps;
+  const double way_s = search.way_m(search.roads().road_of(c)).value_or(0.0) / config.speed_mps;
   return energy_left_s < config.home_reserve_factor * way_s + config.home_reserve_s;
+}
+
+Decision Explorer::State::look_around(const PlanarPose& robot, bool is_new) const {
+  Decision d;
+  d.kind = DecisionKind::look_around;
+  d.goal = robot;
+  d.turn_rad = kTurnAround_rad;
+  d.is_new = is_new;
+  return d;
 }
 
 Decision Explorer::State::goal_decision(const CellGrid<CellState>& ground, bool is_new) const {
@@ -225,7 +214,56 @@ Decision Explorer::State::home_decision(const PlanarPose& robot) {
 void Explorer::State::turn_home() {
   stage = Stage::going_home;
   homeward_is_new = true;
-  goal.active = reached = failed = false;
+  goal.active = reached = failed = is_searching = false;
+}
+
+/// A decision at once if the goal stays as it is, or if there is nothing to search for.
+std::optional<Decision> Explorer::State::begin_search(const CellGrid<CellState>& ground, const PlanarPose& robot,
+                                                      TimeNs now) {
+  aside.expire(now);
+  glances.look(ground, search.targets(), search.camera(), robot, now);
+  if (goal.active && !reached && now > goal.deadline) failed = true;
+  note_goal_is_over(ground, now);
+  goal_pays = goal.active && goal_still_pays(ground);
+  const bool little_new = changes < kFewChanges && now - planned_at < kKeepPlan_ns;
+  if (goal_pays && (now - planned_at < kReplanPeriod_ns || little_new)) return goal_decision(ground, false);
+  changes = 0;
+  goal.active = goal_pays;
+  planned_at = now;
+  const Cell at = ground.cell_of(robot.x_m, robot.y_m);
+  if (!ground.contains(at)) {
+    turn_home();
+    return home_decision(robot);
+  }
+  const auto allowed = [this](const Place& place) {
+    return in_area(origin_x_m + (place.cell.x + 0.5) * resolution_m,
+                   origin_y_m + (place.cell.y + 0.5) * resolution_m) &&
+           !aside.is_place_resting(place.cell, static_cast<int>(kSamePlace_m / resolution_m));
+  };
+  search.begin(at, robot, goal.active ? std::optional(KeptView{goal.view, goal.cell}) : std::nullopt, allowed);
+  is_searching = true;
+  return std::nullopt;
+}
+
+Decision Explorer::State::take_tour(const CellGrid<CellState>& ground, const PlanarPose& robot, TimeNs now) {
+  is_searching = false;
+  left = search.left();
+  const std::span<const View> views = search.views();
+  const bool low = needs_energy_for_home(ground);
+  if (low || views.empty()) {
+    if (low) left[LeftReason::energy] += left.open;
+    left.open = 0;
+    turn_home();
+    return home_decision(robot);
+  }
+  const View& first = views.front();
+  const Place& place = search.place(first);
+  const bool same = goal.active && goal.cell == place.cell &&
+                    std::abs(std::remainder(first.heading_rad - goal.view.heading_rad, kTurnAround_rad)) < 0.3;
+  if (same && goal_pays) return goal_decision(ground, false);
+  const double way_s = search.way_m(place.road).value_or(0.0) / config.speed_mps;
+  goal = {true, place.cell, first, now + static_cast<TimeNs>((kPatience_s + kPatienceFactor * way_s) * 1e9)};
+  return goal_decision(ground, true);
 }
 
 Explorer::Explorer(const ExplorerConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -233,30 +271,27 @@ Explorer::~Explorer() = default;
 
 std::unique_ptr<GoalChooser> make_explorer(const ExplorerConfig& config) { return std::make_unique<Explorer>(config); }
 
-Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                          std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base, TimeNs now) {
+void Explorer::prepare(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost) {
+  state_->reset(ground, cost);
+}
+
+std::optional<Decision> Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                         std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base,
+                                         TimeNs now) {
   State& s = *state_;
-  s.take_changes(ground, cost, changed_cells);
+  if (s.has_geometry_of(ground)) {
+    s.search.take_changes(ground, cost, changed_cells);
+  } else {
+    s.reset(ground, cost);
+  }
+  s.changes += changed_cells.size();
   if (!s.has_home) set_home(T_world_base);
   if (s.stage == State::Stage::start) {
     s.stage = s.config.look_around_first ? State::Stage::looking_around : State::Stage::exploring;
-    if (s.config.look_around_first) {
-      Decision d;
-      d.kind = DecisionKind::look_around;
-      d.goal = T_world_base;
-      d.turn_rad = kTurnAround_rad;
-      d.is_new = true;
-      return d;
-    }
+    if (s.config.look_around_first) return s.look_around(T_world_base, true);
   }
   if (s.stage == State::Stage::looking_around) {
-    if (!s.reached && !s.failed) {
-      Decision d;
-      d.kind = DecisionKind::look_around;
-      d.goal = T_world_base;
-      d.turn_rad = kTurnAround_rad;
-      return d;
-    }
+    if (!s.reached && !s.failed) return s.look_around(T_world_base, false);
     s.stage = State::Stage::exploring;
     s.reached = s.failed = false;
   }
@@ -268,54 +303,31 @@ Decision Explorer::decide(const CellGrid<CellState>& ground, const CellGrid<std:
     s.failed = false;
     return s.home_decision(T_world_base);
   }
-
-  s.aside.expire(now);
-  if (s.goal.active && !s.reached && now > s.goal.deadline) s.failed = true;
-  if (s.goal.active && s.reached) s.note_fruitless(ground, now);
-  if (s.goal.active && s.failed) s.note_blocked(ground, now);
-  if (s.reached || s.failed) s.goal.active = false;
-  s.reached = s.failed = false;
-  const bool pays = s.goal.active && s.goal_still_pays(ground);
-  s.changes += changed_cells.size();
-  const bool little_new = s.changes < kFewChanges && now - s.planned_at < kKeepPlan_ns;
-  if (pays && (now - s.planned_at < kReplanPeriod_ns || little_new)) return s.goal_decision(ground, false);
-  s.changes = 0;
-  s.goal.active = pays;
-
-  s.planned_at = now;
-  const Cell at = ground.cell_of(T_world_base.x_m, T_world_base.y_m);
-  if (!ground.contains(at)) {
-    s.turn_home();
-    return s.home_decision(T_world_base);
+  // A search that was to keep the goal is of no use when the goal is over; another one is.
+  if (s.is_searching && (s.reached || s.failed)) {
+    s.is_searching = !s.goal.active;
+    s.note_goal_is_over(ground, now);
   }
-  s.roads.travel(s.roads.road_of(at), TravelField::kNever - 100, s.from_robot);
-  std::span<const View> views = s.plan(ground, cost, T_world_base);
-  if (views.empty() && s.aside.wake_all()) views = s.plan(ground, cost, T_world_base);
-  s.frontiers.make_clusters();
-  s.left = s.explanation.explain(ground, s.frontiers, s.targets, s.aside, s.places, s.config.near_m, !views.empty());
-  const bool low = s.needs_energy_for_home(ground);
-  if (low || views.empty()) {
-    if (low) s.left[LeftReason::energy] += s.left.open;
-    s.left.open = 0;
-    s.turn_home();
-    return s.home_decision(T_world_base);
+  if (!s.is_searching) {
+    if (const auto decision = s.begin_search(ground, T_world_base, now)) return decision;
   }
-
-  const View& first = views.front();
-  const Place& place = s.places.place(first.slot);
-  const bool same = s.goal.active && s.goal.cell == place.cell &&
-                    std::abs(std::remainder(first.heading_rad - s.goal.view.heading_rad, kTurnAround_rad)) < 0.3;
-  if (same && pays) return s.goal_decision(ground, false);
-  const double way_s = s.from_robot.distance[place.road] * s.roads.step_m() / 10 / s.config.speed_mps;
-  s.goal = {true, place.cell, first, now + static_cast<TimeNs>((kPatience_s + kPatienceFactor * way_s) * 1e9)};
-  return s.goal_decision(ground, true);
+  WorkBudget budget(s.config.max_units_per_call);
+  if (!s.search.go_on(ground, cost, s.aside, budget)) return std::nullopt;
+  return s.take_tour(ground, T_world_base, now);
 }
 
 void Explorer::goal_reached() { state_->reached = true; }
 
-void Explorer::goal_failed(GoalFailure reason) {
-  state_->failed = true;
-  state_->failure = reason;
+void Explorer::goal_failed(GoalFailure) { state_->failed = true; }
+
+void Explorer::start_again() {
+  State& s = *state_;
+  s.aside.forgive_blocked();
+  s.stage = State::Stage::exploring;
+  s.goal.active = s.is_searching = s.reached = s.failed = false;
+  s.home_failures = 0;
+  s.homeward_is_new = false;
+  s.planned_at = 0;
 }
 
 void Explorer::set_home(const PlanarPose& T_world_home) {
@@ -330,6 +342,6 @@ void Explorer::return_home(bool for_energy) {
   if (state_->stage != State::Stage::going_home && state_->stage != State::Stage::at_home) state_->turn_home();
 }
 
-std::span<const std::uint32_t> Explorer::frontier_cells() const { return state_->frontiers.cells(); }
+std::span<const std::uint32_t> Explorer::frontier_cells() const { return state_->search.frontiers().cells(); }
 
 }  // namespace g3d::nav

@@ -34,10 +34,11 @@ struct ExplorerConfig {
   double area_max_x_m = 0.0;
   double area_max_y_m = 0.0;
   // Budgets.
-  double home_reserve_factor = 1.3;  ///< times the travel time home,
-  double home_reserve_s = 30.0;      ///< plus this, is kept of set_energy_left()
-  int max_cells = 4'000'000;         ///< largest grid; memory grows with it
-  int max_views_per_decision = 400;  ///< rays of so many places are cast anew in one decision; the rest waits
+  double home_reserve_factor = 1.3;          ///< times the travel time home,
+  double home_reserve_s = 30.0;              ///< plus this, is kept of set_energy_left()
+  int max_cells = 4'000'000;                 ///< largest grid; memory grows with it
+  int max_views_per_decision = 400;          ///< rays of so many places are cast anew in one decision; the rest waits
+  std::int64_t max_units_per_call = 25'000;  ///< of work (work_budget.hpp) in one decide()
 };
 
 class Explorer final : public GoalChooser {
@@ -45,11 +46,13 @@ class Explorer final : public GoalChooser {
   explicit Explorer(const ExplorerConfig& config);
   ~Explorer() override;
 
-  [[nodiscard]] Decision decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                                std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base,
-                                TimeNs now) override;
+  void prepare(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost) override;
+  [[nodiscard]] std::optional<Decision> decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                                               std::span<const std::uint32_t> changed_cells,
+                                               const PlanarPose& T_world_base, TimeNs now) override;
   void goal_reached() override;
   void goal_failed(GoalFailure reason) override;
+  void start_again() override;
   void set_home(const PlanarPose& T_world_home) override;
   void set_energy_left(double seconds) override;
   void return_home(bool for_energy) override;

@@ -3,11 +3,13 @@
 // them; the explorer is one, others serve as yardsticks on the same robot. One thread; the same calls give the same
 // decisions.
 //
-// Use: call decide() about once a second while driving, and at once when a goal is reached or failed. It is cheap to
-// call more often. Drive to Decision::goal (position, then heading); a new decision replaces the old goal.
+// Use: call decide() about once a second while driving, and at once when a goal is reached or failed. A decision may
+// take more work than there is time in one step: until there is one, go on with the old goal and call again in the next
+// step. Drive to Decision::goal (position, then heading); a new decision replaces the old goal.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hal/messages.hpp"
@@ -49,15 +51,22 @@ class GoalChooser {
   GoalChooser(const GoalChooser&) = delete;
   GoalChooser& operator=(const GoalChooser&) = delete;
 
+  /// Reads the whole map and provides memory, so that no step has to.
+  virtual void prepare(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost) = 0;
   /// `ground` and `cost` have one geometry; where the body may stand is cost < kInscribedCost. `changed_cells` are the
   /// indices whose ground or cost changed since the last call, in any order, repeats allowed; if the geometry changed,
-  /// they are ignored and everything is read anew. The first call's pose is home.
-  [[nodiscard]] virtual Decision decide(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
-                                        std::span<const std::uint32_t> changed_cells, const PlanarPose& T_world_base,
-                                        TimeNs now) = 0;
+  /// they are ignored and everything is read anew. The first call's pose is home. Nothing: it is not finished.
+  [[nodiscard]] virtual std::optional<Decision> decide(const CellGrid<CellState>& ground,
+                                                       const CellGrid<std::uint8_t>& cost,
+                                                       std::span<const std::uint32_t> changed_cells,
+                                                       const PlanarPose& T_world_base, TimeNs now) = 0;
   /// The last decision was carried out: the pose stands there and the map holds what it saw.
   virtual void goal_reached() = 0;
   virtual void goal_failed(GoalFailure reason) = 0;
+
+  /// Goes on exploring, also to what could not be reached: something that was closed has opened. What was looked at in
+  /// vain stays given up.
+  virtual void start_again() = 0;
 
   virtual void set_home(const PlanarPose& T_world_home) = 0;
   /// Seconds of driving that the battery still gives; infinite until set.

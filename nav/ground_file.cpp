@@ -41,7 +41,7 @@ std::string ground_yaml(const GroundGrid& ground, const std::string& image_name)
 
 hal::Result<void> write_ground(const GroundGrid& ground, const std::string& stem) {
   const std::string image_path = stem + ".pgm";
-  if (const auto done = hal::write_pgm(image_path, ground_image(ground), ""); !done) return done;
+  if (auto done = hal::write_pgm(image_path, ground_image(ground), ""); !done) return done;
   const std::size_t slash = image_path.rfind('/');
   const std::string image_name = slash == std::string::npos ? image_path : image_path.substr(slash + 1);
   return hal::write_file_atomic(stem + ".yaml", ground_yaml(ground, image_name));

@@ -30,7 +30,8 @@ std::int32_t first_block(const mapper::Grid& grid, double centre_m, int side_blo
 CellGrid<CellState> make_states(const mapper::Grid& grid, int side_blocks, std::int32_t block_x, std::int32_t block_y) {
   const int voxels = voxels_per_ground_cell(grid);
   const int side_cells = side_blocks * kBlockSide_cells / voxels;
-  const auto edge_m = [&](std::int32_t block) { return (block - kAxis_blocks / 2) * block_side_m(grid); };
+  constexpr std::int32_t kMiddle_block = kAxis_blocks / 2;
+  const auto edge_m = [&](std::int32_t block) { return (block - kMiddle_block) * block_side_m(grid); };
   return {static_cast<double>(grid.resolution_m) * voxels,
           edge_m(block_x),
           edge_m(block_y),
@@ -123,7 +124,8 @@ void GroundMap::read_noted_blocks(const VoxelMap& map) {
 void GroundMap::read_block(const VoxelMap& map, std::uint32_t place) {
   const int stack = static_cast<int>(place) / block_layers_;
   const std::int32_t block_z = reader_.first_block_z() + static_cast<int>(place) % block_layers_;
-  const auto cells = static_cast<std::size_t>(reader_.cells_per_block() * reader_.cells_per_block());
+  const auto side = static_cast<std::size_t>(reader_.cells_per_block());
+  const std::size_t cells = side * side;
   const std::span<Evidence> said{block_evidence_.data() + place * cells, cells};
   const std::uint32_t slot =
       map.find(mapper::encode({first_block_x_ + stack % side_blocks_, first_block_y_ + stack / side_blocks_, block_z}));
@@ -139,8 +141,8 @@ void GroundMap::sum_up_stack(std::uint32_t stack) {
   const int row = static_cast<int>(stack) / side_blocks_;
   const int side = reader_.cells_per_block();
   const int cells = side * side;
-  const Evidence* said =
-      block_evidence_.data() + static_cast<std::size_t>(stack) * static_cast<std::size_t>(cells * block_layers_);
+  const Evidence* said = block_evidence_.data() + static_cast<std::size_t>(stack) * static_cast<std::size_t>(cells) *
+                                                      static_cast<std::size_t>(block_layers_);
   for (int i = 0; i < cells; ++i) {
     Evidence sum = 0;
     for (int layer = 0; layer < block_layers_; ++layer) sum = together(sum, said[layer * cells + i]);

@@ -115,7 +115,7 @@ void Inflation::measure_columns(const CellGrid<CellState>& states, Cell low, Til
   const int last_x = std::min(low.x + kTile_cells - 1 + reach_cells_, states.columns - 1);
   const int first_y = std::max(low.y - reach_cells_, 0);
   const int last_y = std::min(low.y + kTile_cells - 1 + reach_cells_, states.rows - 1);
-  const std::size_t width = static_cast<std::size_t>(last_x - first_x + 1);
+  const std::size_t width = static_cast<std::size_t>(last_x - first_x) + 1;
   const std::size_t offset = static_cast<std::size_t>(first_x - (low.x - reach_cells_));
   for (auto& row : tile.column_squared) row.fill(static_cast<std::int16_t>(none * none));
 

@@ -38,7 +38,9 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
       recovery_(config.recovery),
       closed_way_(config.closed_wait_s),
       standby_(config.retry_s, config.max_retries),
-      progress_(config.no_progress_s, config.lost_s) {}
+      progress_(config.no_progress_s, config.lost_s) {
+  chooser_->prepare(floor_.states(), floor_.cost());
+}
 
 void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs) {
   floor_.on_map(map, changed_slots, base_.T_world_base);
@@ -95,10 +97,14 @@ void Navigator::command(MissionEvent event) {
 bool Navigator::is_at_home() const { return distance_m(base_.T_world_base, home_) <= config_.home_tolerance_m; }
 
 void Navigator::decide(TimeNs now) {
-  decision_ = chooser_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
+  if (!is_deciding_) decision_begun_ns_ = now;
+  const auto made = chooser_->decide(floor_.states(), floor_.cost(), floor_.changed_cells(), base_.T_world_base, now);
   floor_.forget_changes();
+  is_deciding_ = !made;
+  if (!made) return;
+  decision_ = *made;
   report_.frontiers_left = decision_.left;
-  next_decision_ns_ = after(now, config_.decide_period_s);
+  next_decision_ns_ = after(decision_begun_ns_, config_.decide_period_s);
   if (decision_.kind == DecisionKind::go_home && look_at_closed_way(now)) return;
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
@@ -137,11 +143,7 @@ void Navigator::judge_closed_way(ClosedWayCheck::Finding finding, TimeNs now) {
 }
 
 void Navigator::explore_again() {
-  ExplorerConfig config = sized(config_.explorer, floor_.states());
-  config.look_around_first = false;
-  chooser_ = config_.make_chooser(config);
-  chooser_->set_home(home_);
-  chooser_->set_energy_left(base_.energy_left_s);
+  chooser_->start_again();
   pursuit_.clear();
 }
 

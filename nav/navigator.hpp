@@ -7,8 +7,8 @@
 //   on_base ─▶ pose, contacts, safety ────▶ ┘      ▲               recovery ──────┘
 //                                                  └── mission: pause, resume, stop, come home
 //
-// All calls from one thread. After construction nothing allocates but what the explorer reserved for itself. A step
-// that decides and plans takes some milliseconds, the others some ten microseconds.
+// All calls from one thread. After construction nothing allocates. A step that decides or plans takes some
+// milliseconds, the others some ten microseconds; decisions take several steps.
 #pragma once
 
 #include <cstdint>
@@ -128,7 +128,7 @@ class Navigator {
 
   NavigatorConfig config_;
   Surroundings floor_;
-  std::unique_ptr<GoalChooser> chooser_;  ///< made anew when a closed way has opened
+  std::unique_ptr<GoalChooser> chooser_;
   GoalPursuit pursuit_;
   ArcCheck behind_;
   Recovery recovery_;
@@ -148,6 +148,8 @@ class Navigator {
   Decision decision_;
   Decision followed_;  ///< what the pursuit, or the look around, is about
   TimeNs next_decision_ns_ = 0;
+  bool is_deciding_ = false;
+  TimeNs decision_begun_ns_ = 0;
   int goals_in_vain_ = 0;  ///< failed for want of a path, one after the other
   GoalHistory left_goals_;
   bool is_sent_home_ = false;

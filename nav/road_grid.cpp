@@ -36,7 +36,8 @@ void RoadGrid::reset(const CellGrid<std::uint8_t>& cost, double body_radius_m) {
     list->clear();
     list->reserve(roads);
   }
-  for (auto* list : {&piece_, &largest_}) list->reserve(static_cast<std::size_t>(stride_ * stride_));
+  const auto stride = static_cast<std::size_t>(stride_);
+  for (auto* list : {&piece_, &largest_}) list->reserve(stride * stride);
   buckets_.resize(kBuckets);
   for (auto& bucket : buckets_) bucket.reserve(roads / 4 + 64);
   for (std::size_t i = 0; i < cost.cells.size(); ++i) may_stand_[i] = cost.cells[i] < kInscribedCost ? 1 : 0;
@@ -103,14 +104,14 @@ bool RoadGrid::are_joined(std::uint32_t road, int straight) const {
   if (rx + dx < 0 || ry + dy < 0 || rx + dx >= columns_ || ry + dy >= rows_) return false;
   const int x0 = dx > 0 ? (rx + 1) * stride_ - 1 : rx * stride_;
   const int y0 = dy > 0 ? (ry + 1) * stride_ - 1 : ry * stride_;
+  const auto is_in_piece = [&](int x, int y) {
+    return may_stand_[static_cast<std::uint32_t>(y * cell_columns_ + x)] == 2;
+  };
   for (int k = 0; k < stride_; ++k) {
     const int x = x0 + (dy != 0 ? k : 0);
     const int y = y0 + (dx != 0 ? k : 0);
     if (x >= cell_columns_ || y >= cell_rows_) break;
-    if (may_stand_[static_cast<std::size_t>(y * cell_columns_ + x)] == 2 &&
-        may_stand_[static_cast<std::size_t>((y + dy) * cell_columns_ + x + dx)] == 2) {
-      return true;
-    }
+    if (is_in_piece(x, y) && is_in_piece(x + dx, y + dy)) return true;
   }
   return false;
 }
@@ -191,6 +192,8 @@ void RoadGrid::size_field(TravelField& field) const {
   field.leaves_by.assign(size(), 0);
   field.reached.clear();
   field.reached.reserve(size());
+  field.touched.clear();
+  field.touched.reserve(size());
 }
 
 /// The nearest open road cell that is not reached yet, lowest index first, and tenths of a step to it. `from` itself if
@@ -215,42 +218,66 @@ std::int32_t RoadGrid::way_out(std::uint32_t from, const TravelField& field, std
 }
 
 void RoadGrid::travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
-  for (const std::uint32_t i : out.reached) out.distance[i] = TravelField::kNever;
+  begin_travel(from, limit, out);
+  WorkBudget budget = WorkBudget::unlimited();
+  (void)go_on(out, budget);
+}
+
+void RoadGrid::begin_travel(std::uint32_t from, std::int32_t limit, TravelField& out) {
+  for (const std::uint32_t i : out.touched) out.distance[i] = TravelField::kNever;
+  for (auto& bucket : buckets_) bucket.clear();
   out.reached.clear();
+  out.touched.clear();
+  from_ = from;
+  limit_ = limit;
+  if (is_open(from)) {
+    seed(from, 0, out);
+    return;
+  }
+  waiting_ = 0;
+  out.reached.push_back(from);
+  out.touched.push_back(from);
+  out.distance[from] = 0;
   out.came_from[from] = from;
   out.leaves_by[from] = from;
-  if (is_open(from)) {
-    out.distance[from] = 0;
-    spread(from, limit, out);
-  } else {
-    out.reached.push_back(from);
-    out.distance[from] = 0;
-  }
-  // A body that is hemmed in squeezes out, or backs out the way it came: that is not the end of the world.
-  while (static_cast<double>(out.reached.size()) * step_m_ * step_m_ < kPocket_m2) {
-    std::uint32_t exit = from;
-    const std::int32_t tenths = way_out(from, out, exit);
-    if (exit == from || tenths > limit) return;
-    out.distance[exit] = tenths;
-    out.came_from[exit] = from;
-    out.leaves_by[exit] = exit;
-    spread(exit, limit, out);
+}
+
+bool RoadGrid::go_on(TravelField& out, WorkBudget& budget) {
+  for (;;) {
+    if (!spread(out, budget)) return false;
+    // A body that is hemmed in squeezes out, or backs out the way it came: that is not the end of the world.
+    if (static_cast<double>(out.reached.size()) * step_m_ * step_m_ >= kPocket_m2) return true;
+    std::uint32_t exit = from_;
+    const std::int32_t tenths = way_out(from_, out, exit);
+    if (exit == from_ || tenths > limit_) return true;
+    seed(exit, tenths, out);
   }
 }
 
-void RoadGrid::spread(std::uint32_t seed, std::int32_t limit, TravelField& out) {
+void RoadGrid::seed(std::uint32_t road, std::int32_t tenths, TravelField& out) {
+  out.touched.push_back(road);
+  out.distance[road] = tenths;
+  out.came_from[road] = from_;
+  out.leaves_by[road] = road;
+  buckets_[static_cast<std::size_t>(tenths) % kBuckets].push_back(road);
+  waiting_ = 1;
+  bucket_distance_ = tenths;
+  bucket_next_ = 0;
+}
+
+bool RoadGrid::spread(TravelField& out, WorkBudget& budget) {
   const std::int32_t leave = static_cast<std::int32_t>(kLeave_m / step_m_ * 10);
-  const std::int32_t begin = out.distance[seed];
-  buckets_[static_cast<std::size_t>(begin) % kBuckets].push_back(seed);
-  std::size_t waiting = 1;
   // Dial 1969: lengths of steps are small integers, so that a ring of buckets replaces a heap.
-  for (std::int32_t d = begin; waiting != 0; ++d) {
+  for (; waiting_ != 0; ++bucket_distance_, bucket_next_ = 0) {
+    const std::int32_t d = bucket_distance_;
     auto& bucket = buckets_[static_cast<std::size_t>(d) % kBuckets];
-    for (std::size_t k = 0; k < bucket.size(); ++k) {
-      const std::uint32_t at = bucket[k];
-      --waiting;
+    while (bucket_next_ < bucket.size()) {
+      if (budget.is_spent()) return false;
+      budget.spend(1);
+      const std::uint32_t at = bucket[bucket_next_++];
+      --waiting_;
       if (out.distance[at] != d) continue;
-      if (d > limit) {
+      if (d > limit_) {
         out.distance[at] = TravelField::kNever;
         continue;
       }
@@ -260,15 +287,17 @@ void RoadGrid::spread(std::uint32_t seed, std::int32_t limit, TravelField& out) 
         const std::uint32_t to = static_cast<std::uint32_t>(static_cast<int>(at) + kDy[n] * columns_ + kDx[n]);
         const std::int32_t there = d + kLength[n];
         if (out.distance[to] <= there) continue;
+        if (out.distance[to] == TravelField::kNever) out.touched.push_back(to);
         out.distance[to] = there;
         out.came_from[to] = at;
         out.leaves_by[to] = d < leave ? to : out.leaves_by[at];
         buckets_[static_cast<std::size_t>(there) % kBuckets].push_back(to);
-        ++waiting;
+        ++waiting_;
       }
     }
     bucket.clear();
   }
+  return true;
 }
 
 double RoadGrid::bearing(std::uint32_t from, std::uint32_t to) const {

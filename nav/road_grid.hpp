@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "nav/cell_grid.hpp"
+#include "nav/work_budget.hpp"
 
 namespace g3d::nav {
 
@@ -22,6 +23,7 @@ struct TravelField {
   std::vector<std::uint32_t> came_from;  ///< the road cell before
   std::vector<std::uint32_t> leaves_by;  ///< a road cell about half a metre from the start on the way there
   std::vector<std::uint32_t> reached;    ///< in order of distance
+  std::vector<std::uint32_t> touched;    ///< all that were given a distance; after a limited search some have none now
 };
 
 class RoadGrid {
@@ -46,6 +48,9 @@ class RoadGrid {
   /// Dijkstra from `from`, up to `limit` tenths. A robot that stands on closed ground, or is hemmed in where it could
   /// hardly turn, gets out to the nearest open road cell beyond, if there is one near. Reuses the field's memory.
   void travel(std::uint32_t from, std::int32_t limit, TravelField& out);
+  /// The same in pieces: go_on() until it says true. One search at a time; a new begin drops the one before.
+  void begin_travel(std::uint32_t from, std::int32_t limit, TravelField& out);
+  [[nodiscard]] bool go_on(TravelField& out, WorkBudget& budget);
   /// Headings at the start and at the end of the way to `to`.
   [[nodiscard]] double leave_heading(const TravelField& field, std::uint32_t from, std::uint32_t to) const;
   [[nodiscard]] double arrive_heading(const TravelField& field, std::uint32_t to) const;
@@ -57,7 +62,8 @@ class RoadGrid {
   [[nodiscard]] std::uint8_t steps_from(std::uint32_t road) const;
   void join_changed();
   [[nodiscard]] std::int32_t way_out(std::uint32_t from, const TravelField& field, std::uint32_t& exit) const;
-  void spread(std::uint32_t seed, std::int32_t limit, TravelField& out);
+  void seed(std::uint32_t road, std::int32_t tenths, TravelField& out);
+  [[nodiscard]] bool spread(TravelField& out, WorkBudget& budget);
   [[nodiscard]] double bearing(std::uint32_t from, std::uint32_t to) const;
 
   int columns_ = 0;
@@ -76,7 +82,13 @@ class RoadGrid {
   std::vector<std::uint8_t> is_noted_;
   std::vector<std::uint32_t> piece_;  ///< map cells
   std::vector<std::uint32_t> largest_;
+  // Of the search that is under way.
   std::vector<std::vector<std::uint32_t>> buckets_;
+  std::uint32_t from_ = 0;
+  std::int32_t limit_ = 0;
+  std::int32_t bucket_distance_ = 0;
+  std::size_t bucket_next_ = 0;
+  std::size_t waiting_ = 0;
 };
 
 }  // namespace g3d::nav

@@ -6,11 +6,15 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "nav/path_centring.hpp"
+
 namespace g3d::nav {
 namespace {
 
 constexpr std::size_t kMaxPathCells = 1U << 16;
 constexpr int kMaxTolerance_cells = 30;
+
+constexpr double kWide_m = 0.25;  // with more to all sides a path may lead where it likes
 
 constexpr double kAway_m = 1.0;
 constexpr int kMostAway_cells = 64;
@@ -18,7 +22,7 @@ constexpr int kMostAway_cells = 64;
 }  // namespace
 
 bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& from) {
-  constexpr int kSide = 2 * kMostAway_cells + 1;
+  constexpr std::size_t kSide = 2 * kMostAway_cells + 1;
   const int reach = std::clamp(static_cast<int>(kAway_m / cost.resolution_m), 1, kMostAway_cells);
   const Cell start = cost.cell_of(from.x_m, from.y_m);
   if (!cost.contains(start)) return true;
@@ -28,7 +32,8 @@ bool is_hemmed_in(const CellGrid<std::uint8_t>& cost, const hal::PlanarPose& fro
   std::size_t end = 0;
   const auto meet = [&](int dx, int dy) {
     const Cell c{start.x + dx, start.y + dy};
-    bool& met = was_met[static_cast<std::size_t>((dy + kMostAway_cells) * kSide + dx + kMostAway_cells)];
+    bool& met = was_met[static_cast<std::size_t>(dy + kMostAway_cells) * kSide +
+                        static_cast<std::size_t>(dx + kMostAway_cells)];
     if (met || !cost.contains(c)) return;
     const bool is_near = std::max(std::abs(dx), std::abs(dy)) <= relief;
     if (cost.at(c) > (is_near ? kInscribedCost : kInscribedCost - 1)) return;
@@ -88,6 +93,7 @@ Route RoutePlanner::plan(const CellGrid<std::uint8_t>& cost, const hal::PlanarPo
   // What the goal's cell is the centre of is not quite the goal.
   const Cell end = path.cells.back();
   if (end == cost.cell_of(to.x_m, to.y_m) && points_.size() > 1) points_.back() = {to.x_m, to.y_m};
+  centre_path(cost, points_, kWide_m);
   for (std::size_t i = 1; i < points_.size(); ++i) {
     route.length_m += std::hypot(points_[i].x_m - points_[i - 1].x_m, points_[i].y_m - points_[i - 1].y_m);
   }

@@ -60,6 +60,16 @@ void SetAside::expire(hal::TimeNs now) {
   }
 }
 
+void SetAside::forgive_blocked() {
+  for (std::size_t i = 0; i < ignored_.size(); ++i) {
+    if ((ignored_[i] & kBlocked) == 0) continue;
+    ignored_[i] &= kExcluded;
+    tries_[i] = 0;
+  }
+  std::erase_if(resting_, [&](const RestingTarget& r) { return (ignored_[r.target] & kResting) == 0; });
+  place_count_ = 0;
+}
+
 bool SetAside::wake_all() {
   bool any = false;
   for (const RestingTarget& r : resting_) {

@@ -27,6 +27,9 @@ class SetAside {
   void place_failed(Cell place, hal::TimeNs now);
   /// Ends rests that are over.
   void expire(hal::TimeNs now);
+  /// What could not be reached is tried again as if it never had been: something that was closed has opened. What was
+  /// looked at in vain is not.
+  void forgive_blocked();
   /// Ends all rests: nothing else is left to do. False if there were none.
   bool wake_all();
 

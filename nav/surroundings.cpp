@@ -13,6 +13,7 @@ constexpr double kNearTouch_m = 1.8;
 constexpr double kSuspect_m = 0.65;  // where what is too near to be measured is taken to stand
 constexpr std::size_t kMostTouches = 256;
 constexpr std::uint8_t kOwnWayCost = 250;
+constexpr double kSpare_m = 0.01;  // in a tight place; MotionLimits::touch_margin_m
 
 double distance_m(const Waypoint& a, double x_m, double y_m) { return std::hypot(a.x_m - x_m, a.y_m - y_m); }
 
@@ -25,11 +26,12 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
       ground_(grid, config.ground),
       inflation_(ground_.states(), {planning_radius_m(config.body_radius_m, ground_.resolution_m()),
                                     config.inflation_radius_m, config.inflation_decay_perm}),
+      tight_(ground_.states(), inflation_, config.body_radius_m, kSpare_m),
       trace_(ground_.states(), config.body_radius_m),
       low_view_(ground_.states(), config.low_view),
       near_watch_(ground_.states(), config.near_watch),
       is_noted_(ground_.states().cells.size()),
-      own_way_(inflation_.cost()) {
+      own_way_(tight_.cost()) {
   changed_.reserve(is_noted_.size());
   touches_.reserve(kMostTouches);
   near_touches_.reserve(kMostTouches);
@@ -53,8 +55,9 @@ void Surroundings::take_over_changes() {
   taken_over_ = ground_.changed_cells().size();
   if (fresh.empty()) return;
   inflation_.update(ground_.states(), fresh);
+  tight_.update(ground_.states(), inflation_, fresh);
   note_changed(fresh);
-  note_changed(inflation_.changed_cells());
+  note_changed(tight_.changed_cells());
 }
 
 void Surroundings::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
@@ -76,6 +79,8 @@ void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
   if (!trace_.tread(pose)) return;
   ground_.mark_free_disc(pose.x_m, pose.y_m, body_radius_m_);
   take_over_changes();
+  tight_.tread(ground_.states(), inflation_, pose.x_m, pose.y_m);
+  note_changed(tight_.changed_cells());
   near_touches_.clear();
   for (const Waypoint& touch : touches_) {
     if (distance_m(touch, pose.x_m, pose.y_m) < kNearTouch_m) near_touches_.push_back(touch);
@@ -133,7 +138,7 @@ void Surroundings::forget_touches() {
 }
 
 const CellGrid<std::uint8_t>& Surroundings::cost_of_own_way() {
-  own_way_.cells = inflation_.cost().cells;
+  own_way_.cells = tight_.cost().cells;
   for (std::size_t i = 0; i < own_way_.cells.size(); ++i) {
     if (own_way_.cells[i] >= kInscribedCost && trace_.is_trodden(own_way_.cell(i))) own_way_.cells[i] = kOwnWayCost;
   }

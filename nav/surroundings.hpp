@@ -17,6 +17,7 @@
 #include "nav/inflation.hpp"
 #include "nav/low_view.hpp"
 #include "nav/near_watch.hpp"
+#include "nav/tight_places.hpp"
 
 namespace g3d::nav {
 
@@ -54,7 +55,7 @@ class Surroundings final : public FloorKnowledge {
 
   [[nodiscard]] const GroundMap& ground() const { return ground_; }
   [[nodiscard]] const CellGrid<CellState>& states() const { return ground_.states(); }
-  [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return inflation_.cost(); }
+  [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return tight_.cost(); }
   /// The same, but where the body has been it may be again, at a high cost: for the way back. Copies the whole grid.
   [[nodiscard]] const CellGrid<std::uint8_t>& cost_of_own_way();
   /// Cells whose state or cost changed since forget_changes(), each once.
@@ -72,6 +73,7 @@ class Surroundings final : public FloorKnowledge {
   double body_radius_m_;
   GroundMap ground_;
   Inflation inflation_;
+  TightPlaces tight_;
   BodyTrace trace_;
   LowView low_view_;
   NearWatch near_watch_;

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nav/tight_places.hpp"
+
 namespace g3d::nav {
 namespace {
 
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
+constexpr int kLook_units = 250;
+constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
 }  // namespace
 
@@ -24,6 +28,7 @@ void Viewpoints::reset(const CellGrid<CellState>& ground, const RoadGrid& roads)
   round_ = 1;
   changed_in_.assign(tiles, 1);
   newest_near_.assign(tiles, 0);
+  pass_ = 0;
   newest_round_.assign(tiles, 0);
   near_frontier_.assign(tiles, 0);
   cast_in_.assign(places, 0);
@@ -42,7 +47,7 @@ void Viewpoints::note_changes(std::span<const std::uint32_t> changed) {
   for (const std::uint32_t i : changed) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)] = round_;
+    changed_in_[tile_at(x, y)] = round_;
   }
 }
 
@@ -52,23 +57,23 @@ void Viewpoints::mark_sight_of_frontiers(const FrontierMap& frontiers, int reach
   for (const std::uint32_t i : frontiers.cells()) {
     const int x = static_cast<int>(i) % columns_ / tile_cells_;
     const int y = static_cast<int>(i) / columns_ / tile_cells_;
-    const std::uint32_t tile = static_cast<std::uint32_t>(y * tile_columns_ + x);
+    const std::uint32_t tile = static_cast<std::uint32_t>(tile_at(x, y));
     if (tile == last_tile || (near_frontier_[tile] & 2U) != 0) continue;
     last_tile = tile;
     for (int ty = std::max(y - reach_tiles, 0); ty <= std::min(y + reach_tiles, tile_rows_ - 1); ++ty) {
       for (int tx = std::max(x - reach_tiles, 0); tx <= std::min(x + reach_tiles, tile_columns_ - 1); ++tx) {
-        near_frontier_[static_cast<std::size_t>(ty * tile_columns_ + tx)] |= 1U;
+        near_frontier_[tile_at(tx, ty)] |= 1U;
       }
     }
     near_frontier_[tile] |= 2U;
   }
 }
 
-std::uint32_t Viewpoints::newest_change(int tile_x, int tile_y, int reach_tiles) const {
+std::uint32_t Viewpoints::newest_change(int tile_x, int tile_y) const {
   std::uint32_t newest = 0;
-  for (int y = std::max(tile_y - reach_tiles, 0); y <= std::min(tile_y + reach_tiles, tile_rows_ - 1); ++y) {
-    for (int x = std::max(tile_x - reach_tiles, 0); x <= std::min(tile_x + reach_tiles, tile_columns_ - 1); ++x) {
-      newest = std::max(newest, changed_in_[static_cast<std::size_t>(y * tile_columns_ + x)]);
+  for (int y = std::max(tile_y - reach_tiles_, 0); y <= std::min(tile_y + reach_tiles_, tile_rows_ - 1); ++y) {
+    for (int x = std::max(tile_x - reach_tiles_, 0); x <= std::min(tile_x + reach_tiles_, tile_columns_ - 1); ++x) {
+      newest = std::max(newest, changed_in_[tile_at(x, y)]);
     }
   }
   return newest;
@@ -76,74 +81,105 @@ std::uint32_t Viewpoints::newest_change(int tile_x, int tile_y, int reach_tiles)
 
 bool Viewpoints::refresh(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                          const TravelField& from_robot, const FrontierMap& frontiers, const ViewGain& camera,
-                         int budget) {
-  const int reach = static_cast<int>(std::ceil(camera.model().far_m / (tile_cells_ * ground.resolution_m)));
-  mark_sight_of_frontiers(frontiers, reach);
+                         int max_casts) {
+  begin_refresh(frontiers, camera, ground.resolution_m, max_casts);
+  WorkBudget budget = WorkBudget::unlimited();
+  (void)go_on(ground, cost, roads, from_robot, camera, budget);
+  return is_complete_;
+}
+
+void Viewpoints::begin_refresh(const FrontierMap& frontiers, const ViewGain& camera, double resolution_m,
+                               int max_casts) {
+  reach_tiles_ = static_cast<int>(std::ceil(camera.model().far_m / (tile_cells_ * resolution_m)));
+  mark_sight_of_frontiers(frontiers, reach_tiles_);
   useful_.clear();
-  bool complete = true;
-  ++round_;
-  for (const std::uint32_t road : from_robot.reached) {
+  is_complete_ = true;
+  casts_left_ = max_casts;
+  next_ = 0;
+  ++pass_;
+}
+
+bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
+                       const TravelField& from_robot, const ViewGain& camera, WorkBudget& budget) {
+  for (; next_ < from_robot.reached.size(); ++next_) {
+    if (budget.is_spent()) return false;
+    budget.spend(1);
+    const std::uint32_t road = from_robot.reached[next_];
     const int px = static_cast<int>(road) % roads.columns() / kRoadsPerPlace;
     const int py = static_cast<int>(road) / roads.columns() / kRoadsPerPlace;
-    const std::size_t place = static_cast<std::size_t>(py * place_columns_ + px);
-    if (visited_in_[place] == round_) continue;
-    visited_in_[place] = round_;
+    const std::size_t place =
+        static_cast<std::size_t>(py) * static_cast<std::size_t>(place_columns_) + static_cast<std::size_t>(px);
+    if (visited_in_[place] == pass_) continue;
+    visited_in_[place] = pass_;
     const int tx = std::min(px * kRoadsPerPlace * roads.stride() / tile_cells_, tile_columns_ - 1);
     const int ty = std::min(py * kRoadsPerPlace * roads.stride() / tile_cells_, tile_rows_ - 1);
-    const std::size_t tile = static_cast<std::size_t>(ty * tile_columns_ + tx);
     std::uint32_t& slot = slot_of_[place];
-    if (near_frontier_[tile] == 0) {
+    if (near_frontier_[tile_at(tx, ty)] == 0) {
       if (slot != kNoSlot) free_slots_.push_back(slot);
       slot = kNoSlot;
       cast_in_[place] = 0;
       continue;
     }
-    if (newest_round_[tile] != round_) {
-      newest_round_[tile] = round_;
-      newest_near_[tile] = newest_change(tx, ty, reach);
-    }
-    if (newest_near_[tile] > cast_in_[place] || cast_in_[place] == 0) {
-      if (budget <= 0) {
-        complete = false;
+    if (is_outdated(place, tx, ty)) {
+      if (casts_left_ <= 0) {
+        is_complete_ = false;
       } else {
-        --budget;
-        Cell best;
-        std::uint32_t best_road = road;
-        int best_cost = 256;
-        for (int k = 0; k < kRoadsPerPlace * kRoadsPerPlace; ++k) {
-          const int rx = px * kRoadsPerPlace + k % kRoadsPerPlace;
-          const int ry = py * kRoadsPerPlace + k / kRoadsPerPlace;
-          if (rx >= roads.columns() || ry >= roads.rows()) continue;
-          const std::uint32_t r = static_cast<std::uint32_t>(ry * roads.columns() + rx);
-          Cell c;
-          if (from_robot.distance[r] == TravelField::kNever || !roads.best_cell(cost, r, c)) continue;
-          if (cost.at(c) >= best_cost) continue;
-          best_cost = cost.at(c);
-          best = c;
-          best_road = r;
-        }
-        cast_in_[place] = round_;
-        if (best_cost < 256 && slot == kNoSlot && !free_slots_.empty()) {
-          slot = free_slots_.back();
-          free_slots_.pop_back();
-        }
-        if (best_cost < 256 && slot != kNoSlot) {
-          Place& p = slots_[slot];
-          p.cell = best;
-          p.road = best_road;
-          camera.look(ground, best, p.gain);
-          p.total_cells = 0.0F;
-          for (const RayGain& ray : p.gain) p.total_cells += ray.cells;
-        }
-        if (slot != kNoSlot && (best_cost == 256 || slots_[slot].total_cells < 0.5F)) {
-          free_slots_.push_back(slot);
-          slot = kNoSlot;
-        }
+        --casts_left_;
+        budget.spend(kLook_units);
+        cast(ground, cost, roads, from_robot, camera, place);
       }
     }
     if (slot != kNoSlot) useful_.push_back(slot);
   }
-  return complete;
+  return true;
+}
+
+bool Viewpoints::is_outdated(std::size_t place, int tile_x, int tile_y) {
+  const std::size_t tile = tile_at(tile_x, tile_y);
+  if (newest_round_[tile] != round_) {
+    newest_round_[tile] = round_;
+    newest_near_[tile] = newest_change(tile_x, tile_y);
+  }
+  return newest_near_[tile] > cast_in_[place] || cast_in_[place] == 0;
+}
+
+void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
+                      const TravelField& from_robot, const ViewGain& camera, std::size_t place) {
+  const int px = static_cast<int>(place) % place_columns_;
+  const int py = static_cast<int>(place) / place_columns_;
+  Cell best;
+  std::uint32_t best_road = 0;
+  int best_cost = kNoPlace;
+  for (int k = 0; k < kRoadsPerPlace * kRoadsPerPlace; ++k) {
+    const int rx = px * kRoadsPerPlace + k % kRoadsPerPlace;
+    const int ry = py * kRoadsPerPlace + k / kRoadsPerPlace;
+    if (rx >= roads.columns() || ry >= roads.rows()) continue;
+    const std::uint32_t r = static_cast<std::uint32_t>(ry * roads.columns() + rx);
+    Cell c;
+    if (from_robot.distance[r] == TravelField::kNever || !roads.best_cell(cost, r, c)) continue;
+    if (cost.at(c) >= best_cost) continue;
+    best_cost = cost.at(c);
+    best = c;
+    best_road = r;
+  }
+  cast_in_[place] = round_;
+  std::uint32_t& slot = slot_of_[place];
+  if (best_cost < kNoPlace && slot == kNoSlot && !free_slots_.empty()) {
+    slot = free_slots_.back();
+    free_slots_.pop_back();
+  }
+  if (best_cost < kNoPlace && slot != kNoSlot) {
+    Place& p = slots_[slot];
+    p.cell = best;
+    p.road = best_road;
+    camera.look(ground, best, p.gain);
+    p.total_cells = 0.0F;
+    for (const RayGain& ray : p.gain) p.total_cells += ray.cells;
+  }
+  if (slot != kNoSlot && (best_cost == kNoPlace || slots_[slot].total_cells < 0.5F)) {
+    free_slots_.push_back(slot);
+    slot = kNoSlot;
+  }
 }
 
 }  // namespace g3d::nav

@@ -26,5 +26,8 @@ extern const std::string_view kHallWorld;
 extern const std::string_view kPeopleWorld;
 extern const std::string_view kLabWorld;
 extern const std::string_view kGlassWorld;
+extern const std::string_view kPassageWorld;
+extern const std::string_view kCrossingsWorld;
+extern const std::string_view kCrowdWorld;
 
 }  // namespace g3d::hal

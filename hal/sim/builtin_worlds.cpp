@@ -14,7 +14,7 @@ struct Place {
   std::string_view path;
 };
 
-std::array<Place, 14> places() {
+std::array<Place, 17> places() {
   return {{{"furnished_room", kFurnishedRoomWorld, kFurnishedRoomPath},
            {"two_rooms", kTwoRoomsWorld, kTwoRoomsPath},
            {"corridor", kCorridorWorld, kCorridorPath},
@@ -28,7 +28,10 @@ std::array<Place, 14> places() {
            {"hall", kHallWorld, {}},
            {"lab", kLabWorld, {}},
            {"glass", kGlassWorld, {}},
-           {"people", kPeopleWorld, {}}}};
+           {"people", kPeopleWorld, {}},
+           {"passage", kPassageWorld, {}},
+           {"crossings", kCrossingsWorld, {}},
+           {"crowd", kCrowdWorld, {}}}};
 }
 
 Place by_name(std::string_view name) {
@@ -50,8 +53,9 @@ const std::vector<std::string_view>& builtin_names() {
 }
 
 const std::vector<std::string_view>& exploration_names() {
-  static const std::vector<std::string_view> names = {"office", "loops", "house",    "warehouse", "maze",
-                                                      "hall",   "lab",   "doorways", "glass",     "people"};
+  static const std::vector<std::string_view> names = {"office",  "loops",     "house",    "warehouse", "maze",
+                                                      "hall",    "lab",       "doorways", "glass",     "people",
+                                                      "passage", "crossings", "crowd"};
   return names;
 }
 

@@ -11,7 +11,8 @@
 //   loops           corridors around three cores       maze       7 x 7 cells of 1.25 m
 //   warehouse       racks and aisles                   hall       wider than the camera can measure
 //   lab             cluttered                          glass      panes, black furniture
-//   people          three of them walk their rounds
+//   people          three of them walk their rounds    passage    people come towards the robot where it is narrow
+//   crossings       people come from behind corners    crowd      nine of them in a hall
 #pragma once
 
 #include <string_view>

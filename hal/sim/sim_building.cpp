@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kReleased_m = 0.01;
+constexpr double kStands_mps = 0.002;  // slower is no driving: what an acceleration leaves of one step
 
 std::shared_ptr<const World> with_robots(World world, const std::vector<SimRobotOptions>& robots) {
   Material shell;
@@ -183,9 +184,11 @@ void SimBuilding::keep_record(Robot& robot, double speed_before_mps) {
   event.solid = sense.touched.solid;
   event.moving = sense.touched.mover >= 0;
   event.measurable = robot.memory.could_measure(sense.touched, {kClimb_m, robot.options.body.height_m}, now_ns_);
+  event.ran_into = event.moving && speed_before_mps < kStands_mps;
   ++record.contacts;
   record.contacts_measurable += event.measurable ? 1 : 0;
   record.contacts_moving += event.moving ? 1 : 0;
+  record.contacts_ran_into += event.ran_into ? 1 : 0;
   record.fastest_contact_mps = std::max(record.fastest_contact_mps, event.speed_mps);
   if (record.events.size() < RobotRecord::kMostEvents) record.events.push_back(event);
 }

@@ -59,12 +59,14 @@ struct ContactEvent {
   std::int32_t solid = -1;  ///< index in World::primitives; -1: grid wall
   bool moving = false;      ///< a person or another robot
   bool measurable = false;  ///< the camera could have measured it beforehand: see camera_memory.hpp
+  bool ran_into = false;    ///< the robot stood still, and who moves came against it
 };
 
 struct RobotRecord {
   std::uint64_t contacts = 0;
   std::uint64_t contacts_measurable = 0;
-  std::uint64_t contacts_moving = 0;  ///< of all, those with people and robots
+  std::uint64_t contacts_moving = 0;    ///< of all, those with people and robots
+  std::uint64_t contacts_ran_into = 0;  ///< of these, those in which this robot stood; they stay in the other counts
   double fastest_contact_mps = 0.0;
   std::uint64_t cliffs = 0;  ///< times that a cliff sensor lost the floor
   std::uint64_t wheel_drops = 0;

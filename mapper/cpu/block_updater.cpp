@@ -10,7 +10,7 @@ namespace {
 
 // The box in whole groups of 4x4x4 blocks, the unit in which visible blocks are dealt out.
 std::size_t rounded_box_blocks(const SensorGeometry& sensor) {
-  const auto side = static_cast<std::size_t>((sensor.max_side_blocks + 3) / 4 * 4);
+  const std::size_t side = static_cast<std::size_t>(sensor.max_side_blocks + 3) / 4 * 4;
   return side * side * side;
 }
 

@@ -18,7 +18,7 @@ DepthPyramid::DepthPyramid(int width_px, int height_px) {
     Level level;
     level.width = (width_px + cell - 1) / cell;
     level.height = (height_px + cell - 1) / cell;
-    level.cells.resize(static_cast<std::size_t>(level.width * level.height));
+    level.cells.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
     levels_.push_back(std::move(level));
     if (levels_.back().width <= kMostCells && levels_.back().height <= kMostCells) break;
     cell *= 2;
@@ -46,7 +46,7 @@ void DepthPyramid::compute(const RayEnds& ends, const Kernels& kernels, ThreadPo
       };
       shrink(kernels.halve_min_row, low);
       shrink(kernels.halve_max_row, high);
-      Range* cells = &base.cells[static_cast<std::size_t>(y * base.width)];
+      Range* cells = base.row(y);
       for (std::size_t x = 0; x < static_cast<std::size_t>(base.width); ++x) cells[x] = {low[x], high[x]};
     }
   });
@@ -54,18 +54,18 @@ void DepthPyramid::compute(const RayEnds& ends, const Kernels& kernels, ThreadPo
     const Level& below = levels_[l - 1];
     Level& level = levels_[l];
     for (int y = 0; y < level.height; ++y) {
-      const int y0 = 2 * y;
-      const int y1 = std::min(2 * y + 1, below.height - 1);
+      const Range* upper = below.row(2 * y);
+      const Range* lower = below.row(std::min(2 * y + 1, below.height - 1));
+      Range* out = level.row(y);
       for (int x = 0; x < level.width; ++x) {
         const int x0 = 2 * x;
         const int x1 = std::min(2 * x + 1, below.width - 1);
-        const Range& a = below.cells[static_cast<std::size_t>(y0 * below.width + x0)];
-        const Range& b = below.cells[static_cast<std::size_t>(y0 * below.width + x1)];
-        const Range& c = below.cells[static_cast<std::size_t>(y1 * below.width + x0)];
-        const Range& d = below.cells[static_cast<std::size_t>(y1 * below.width + x1)];
-        level.cells[static_cast<std::size_t>(y * level.width + x)] = {
-            std::min(std::min(a.min, b.min), std::min(c.min, d.min)),
-            std::max(std::max(a.max, b.max), std::max(c.max, d.max))};
+        const Range& a = upper[x0];
+        const Range& b = upper[x1];
+        const Range& c = lower[x0];
+        const Range& d = lower[x1];
+        out[x] = {std::min(std::min(a.min, b.min), std::min(c.min, d.min)),
+                  std::max(std::max(a.max, b.max), std::max(c.max, d.max))};
       }
     }
   }
@@ -79,10 +79,10 @@ DepthPyramid::Range DepthPyramid::range(int u0, int v0, int u1, int v1) const {
   const int shift = kBaseShift + static_cast<int>(l);
   Range range{0xFFFF, 0};
   for (int y = v0 >> shift; y <= v1 >> shift; ++y) {
+    const Range* row = level.row(y);
     for (int x = u0 >> shift; x <= u1 >> shift; ++x) {
-      const Range& cell = level.cells[static_cast<std::size_t>(y * level.width + x)];
-      range.min = std::min(range.min, cell.min);
-      range.max = std::max(range.max, cell.max);
+      range.min = std::min(range.min, row[x].min);
+      range.max = std::max(range.max, row[x].max);
     }
   }
   return range;

@@ -24,11 +24,20 @@ class DepthPyramid {
   /// Bounds of all ends in columns u0..u1 and rows v0..v1 (inside the image, ends included): possibly a little wider.
   [[nodiscard]] Range range(int u0, int v0, int u1, int v1) const;
 
+  [[nodiscard]] int level_count() const { return static_cast<int>(levels_.size()); }
+
  private:
   struct Level {
     int width = 0;
     int height = 0;
     std::vector<Range> cells;
+
+    [[nodiscard]] const Range* row(int y) const {
+      return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
+    [[nodiscard]] Range* row(int y) {
+      return cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    }
   };
   std::vector<Level> levels_;  ///< levels_[0] has cells of 4 x 4 pixels
 };

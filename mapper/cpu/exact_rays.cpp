@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "mapper/cpu/offer_visible.hpp"
 #include "mapper/cpu/one_ray.hpp"
 #include "mapper/cpu/projection_tables.hpp"
 
@@ -173,40 +174,14 @@ void ExactRays::offer(const FrameWork& work) {
   images_.compute(work.ends, work.kernels, work.pool);
   begin_frame(work);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, 0.0F, 0.0F, bounds_);
-  const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
-                     visible.blocks_per_chunk(), work.pool.threads() == 1);
-  work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
-    BlockKey key = 0;
-    std::uint32_t slot = kNoSlot;
-    HitRecord* hits = nullptr;
-    const auto wants = [&](int bx, int by, int bz) {
-      key = work.frame.block_key(bx, by, bz);
-      slot = work.updater.remembered_slot(key);
-      hits = work.hits.find(work.frame.block_id(bx, by, bz));
-      return hits != nullptr || !work.updater.is_settled(slot);
-    };
-    const auto soon = [&](int bx, int by, int bz) {
-      work.updater.prefetch_header(work.frame.block_key(bx, by, bz));
-      work.hits.prefetch(work.frame.block_id(bx, by, bz));
-    };
-    visible.for_chunk(chunk, soon, wants, [&](const BlockView& block, BlockClass found) {
-      work.updater.prefetch(key, slot, hits);
-      const auto strong = [&](int place) {
+  offer_visible(
+      work, visible,
+      [&](const BlockView& block, const std::uint8_t* levels, const HitRecord* hits, FreeFlags& flags) {
+        return look(work, visible, block, levels, hits, flags);
+      },
+      [&](const BlockView& block, int place) {
         return flag_ == kStrongFree || is_passed(work, block, static_cast<std::size_t>(place), true);
-      };
-      if (found == BlockClass::all_free) {
-        work.updater.offer_all_free(chunk, key, hits, strong);
-        return;
-      }
-      alignas(64) FreeFlags flags;
-      if (look(work, visible, block, work.updater.levels_of(slot), hits, flags)) {
-        work.updater.offer_some_free(chunk, key, flags, hits, strong);
-      } else if (hits != nullptr) {
-        work.updater.offer_hits(chunk, key, *hits);
-      }
-    });
-  });
+      });
 }
 
 }  // namespace g3d::mapper::cpu

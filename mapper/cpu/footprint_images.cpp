@@ -28,7 +28,7 @@ FootprintImages::FootprintImages(int width_px, int height_px, float smallest_win
     level.stride = (width + 2 * kImagePadding + 31) / 32 * 32;
     level.rows = height + 2 * kImagePadding;
     levels_.push_back(level);
-    const std::size_t cells = static_cast<std::size_t>(level.stride * level.rows) + 64U;
+    const std::size_t cells = static_cast<std::size_t>(level.stride) * static_cast<std::size_t>(level.rows) + 64U;
     std::vector<std::vector<std::uint16_t>> windows(kMaxWindow + 1);
     for (int m = l == 0 ? 2 : 1; m <= kMaxWindow; ++m) windows[static_cast<std::size_t>(m)].assign(cells, 0);
     images_.push_back(std::move(windows));
@@ -46,7 +46,7 @@ FootprintImages::Choice FootprintImages::choose(float size_px) const {
     ++level;
   }
   const int least = level == 0 ? std::min(smallest_window_, kMaxWindow) : kFirstWindowAbove;
-  return {level, std::clamp(static_cast<int>(cells + 0.5F), least, kMaxWindow)};
+  return {level, std::clamp(static_cast<int>(std::floor(cells + 0.5F)), least, kMaxWindow)};
 }
 
 // Windows begin at whole cells: one cell more than the size makes up for it.

@@ -20,7 +20,7 @@ std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t 
 HitScatter::HitScatter(const SensorGeometry& sensor)
     : sensor_(&sensor),
       chunks_((sensor.camera.height_px + kRowsPerChunk - 1) / kRowsPerChunk),
-      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk * sensor.camera.width_px)),
+      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk) * static_cast<std::size_t>(sensor.camera.width_px)),
       runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
       record_of_block_(sensor.max_box_blocks()),
@@ -92,7 +92,7 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
   for (int v = first; v < last; ++v) {
     const float slope = sensor_->row_slope[static_cast<std::size_t>(v)];
     for (std::size_t axis = 0; axis < 3; ++axis) row.row_part[axis] = R[3 * axis + 1] * slope + R[3 * axis + 2];
-    const std::size_t offset = static_cast<std::size_t>(v * width);
+    const std::size_t offset = static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
     row.depth = ends.depth() + offset;
     row.colour_flag = ends.colour_flags() + offset;
     const auto own = static_cast<std::size_t>(v & 1);

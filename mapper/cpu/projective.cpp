@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "mapper/cpu/offer_visible.hpp"
 #include "mapper/cpu/projection_tables.hpp"
 
 namespace g3d::mapper::cpu {
-namespace {
 
 float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& tuning) {
   const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
@@ -23,8 +23,6 @@ float smallest_footprint_px(const SensorGeometry& sensor, const FrameGeometry& f
   const float far_m = static_cast<float>(sensor.far_raw) * sensor.metres_per_unit;
   return numbers.window_px_m / (far_m + 1.01F * half_brick_m);
 }
-
-}  // namespace
 
 ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
                                  const ProjectiveTuning& tuning) {
@@ -169,38 +167,12 @@ void Projective::offer(const FrameWork& work) {
   fill_windows(work.sensor.camera);
   fill_tables(work.sensor, work.frame);
   const VisibleBlocks visible(work.sensor, work.frame, work.pyramid, work.kernels, numbers.window_px_m, numbers.bias_m);
-  const std::uint32_t chunks = visible.chunk_count();
-  work.updater.begin(work.frame, work.with_colour, work.kernels, work.frame_number, chunks + 1,
-                     visible.blocks_per_chunk(), work.pool.threads() == 1);
-  work.pool.parallel_for(chunks, [&](std::uint32_t chunk) {
-    BlockKey key = 0;
-    std::uint32_t slot = kNoSlot;
-    HitRecord* hits = nullptr;
-    const auto wants = [&](int bx, int by, int bz) {
-      key = work.frame.block_key(bx, by, bz);
-      slot = work.updater.remembered_slot(key);
-      hits = work.hits.find(work.frame.block_id(bx, by, bz));
-      return hits != nullptr || !work.updater.is_settled(slot);
-    };
-    const auto soon = [&](int bx, int by, int bz) {
-      work.updater.prefetch_header(work.frame.block_key(bx, by, bz));
-      work.hits.prefetch(work.frame.block_id(bx, by, bz));
-    };
-    visible.for_chunk(chunk, soon, wants, [&](const BlockView& block, BlockClass found) {
-      work.updater.prefetch(key, slot, hits);
-      const auto strong = [&](int place) { return is_strong(work, numbers, block, place); };
-      if (found == BlockClass::all_free) {
-        work.updater.offer_all_free(chunk, key, hits, strong);
-        return;
-      }
-      alignas(64) FreeFlags flags;
-      if (look(work, numbers, visible, block, work.updater.levels_of(slot), flags)) {
-        work.updater.offer_some_free(chunk, key, flags, hits, strong);
-      } else if (hits != nullptr) {
-        work.updater.offer_hits(chunk, key, *hits);
-      }
-    });
-  });
+  offer_visible(
+      work, visible,
+      [&](const BlockView& block, const std::uint8_t* levels, const HitRecord*, FreeFlags& flags) {
+        return look(work, numbers, visible, block, levels, flags);
+      },
+      [&](const BlockView& block, int place) { return is_strong(work, numbers, block, place); });
 }
 
 }  // namespace g3d::mapper::cpu

@@ -36,6 +36,11 @@ struct ProjectiveFrame {
 [[nodiscard]] ProjectiveFrame projective_frame(const SensorGeometry& sensor, const FrameGeometry& frame,
                                                const ProjectiveTuning& tuning);
 
+/// No smaller window will be asked for, whatever the frame; and in this one.
+[[nodiscard]] float smallest_window_px(const SensorGeometry& sensor, const ProjectiveTuning& tuning);
+[[nodiscard]] float smallest_footprint_px(const SensorGeometry& sensor, const FrameGeometry& frame,
+                                          const ProjectiveFrame& numbers);
+
 class Projective final : public FreeSpace {
  public:
   explicit Projective(const SensorGeometry& sensor, ProjectiveTuning tuning = {});

@@ -28,7 +28,7 @@ RayEnds::RayEnds(const SensorGeometry& sensor, std::span<const std::uint16_t> sc
       mask_(mask_is_one_row_ ? static_cast<std::size_t>(width_) : sensor.camera.pixel_count(),
             std::min(mask_raw, sensor.far_raw)),
       least_end_(sensor.near_raw),
-      ends_(static_cast<std::size_t>(stride_ * (height_ + 2 * kImagePadding)) + 64U, 0),
+      ends_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height_ + 2 * kImagePadding) + 64U, 0),
       colour_flags_(sensor.camera.pixel_count()),
       blind_(static_cast<std::size_t>((width_ + kBlindPadding) * height_), 0),
       row_counts_(static_cast<std::size_t>(height_)) {

@@ -36,7 +36,9 @@ class RayEnds {
   /// End of pixel (u, v), raw units, 0 = carves nothing.
   [[nodiscard]] std::uint16_t at(int u, int v) const { return ends_[index(u, v)]; }
   /// True if the end rests on a reading.
-  [[nodiscard]] bool is_strong(int u, int v) const { return depth_[static_cast<std::size_t>(v * width_ + u)] != 0; }
+  [[nodiscard]] bool is_strong(int u, int v) const {
+    return depth_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u)] != 0;
+  }
   /// No ray ends nearer, whatever the image.
   [[nodiscard]] std::uint16_t least_end() const { return least_end_; }
   [[nodiscard]] const std::uint16_t* padded() const { return ends_.data(); }
@@ -47,7 +49,8 @@ class RayEnds {
 
  private:
   [[nodiscard]] std::size_t index(int u, int v) const {
-    return static_cast<std::size_t>((v + kImagePadding) * stride_ + u + kImagePadding);
+    return static_cast<std::size_t>(v + kImagePadding) * static_cast<std::size_t>(stride_) +
+           static_cast<std::size_t>(u + kImagePadding);
   }
   void classify_rows(int first, int end, const Kernels& kernels);
   void bound_by_rows(int first, int end);

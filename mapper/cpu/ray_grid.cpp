@@ -18,7 +18,8 @@ constexpr std::array<std::uint16_t, 64> row_places() {
   std::array<std::uint16_t, 64> places{};
   for (std::int32_t z = 0; z < 8; ++z) {
     for (std::int32_t y = 0; y < 8; ++y) {
-      places[static_cast<std::size_t>(8 * z + y)] = static_cast<std::uint16_t>(encode({0, y, z}));
+      places[8 * static_cast<std::size_t>(z) + static_cast<std::size_t>(y)] =
+          static_cast<std::uint16_t>(encode({0, y, z}));
     }
   }
   return places;

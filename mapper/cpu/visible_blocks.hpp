@@ -103,6 +103,20 @@ class VisibleBlocks {
   /// Where a block's first voxel lies.
   [[nodiscard]] BlockView view(int bx, int by, int bz) const;
 
+  /// The numbers behind all this, for a twin. Offsets axis by axis, from the centre of the first voxel.
+  struct Numbers {
+    const BoxView& super_view;
+    const BoxView& block_view;
+    const BoxView& brick_view;
+    const std::array<float, 3>& super_middle_m;
+    const std::array<std::array<float, 64>, 3>& block_middle_m;
+    const std::array<std::array<float, 8>, 3>& brick_middle_m;
+    const std::array<int, 3>& supers;
+  };
+  [[nodiscard]] Numbers numbers() const {
+    return {super_view_, block_view_, brick_view_, super_middle_m_, block_middle_m_, brick_middle_m_, supers_};
+  }
+
  private:
   [[nodiscard]] BoxView box_view(int side_cells) const;
   /// Every window contains its voxel's own pixel: if the rays of all these reach beyond a cube by this, all its voxels

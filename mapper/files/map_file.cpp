@@ -17,7 +17,7 @@ template <typename Source>
 hal::Result<SaveReport> save(const Source& source, const MapFileMeta& meta, const std::string& path, int zstd_level) {
   auto file = hal::AtomicFile::create(path);
   if (!file) return file.error();
-  const auto report = encode_map(
+  auto report = encode_map(
       source, meta, [&](ByteSpan bytes) { return file.value().write(bytes); }, zstd_level);
   if (!report) return report.error();
   if (const auto done = file.value().commit(); !done) return done.error();

@@ -55,8 +55,8 @@ MapInfo describe(const BlockSource& source, const MapFileMeta& meta, const Sourc
 /// Header, chunks, index, in this order.
 class MapWriter {
  public:
-  MapWriter(MapInfo info, const ByteSink& sink, int zstd_level)
-      : info_(std::move(info)), sink_(sink), encoder_(zstd_level), report_{0, info_.counts} {}
+  MapWriter(const MapInfo& info, const ByteSink& sink, int zstd_level)
+      : info_(info), sink_(sink), encoder_(zstd_level), report_{0, info_.counts} {}
 
   hal::Result<void> begin() {
     const Bytes header = encode_header(info_);

@@ -12,7 +12,9 @@ float side_of(const ScreenPoint& a, const ScreenPoint& b, float x, float y) {
   return (b.x_px - a.x_px) * (y - a.y_px) - (b.y_px - a.y_px) * (x - a.x_px);
 }
 
-std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 1.0F) * 255.0F + 0.5F); }
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0F, 1.0F) * 255.0F + 0.5F));
+}
 
 }  // namespace
 

@@ -65,6 +65,7 @@ TEST_CASE("whoever looks on from outside adds contacts, each with time, place an
   record.contacts = 2;
   record.contacts_measurable = 1;
   record.contacts_moving = 1;
+  record.contacts_ran_into = 1;
   record.fastest_contact_mps = 0.25;
   record.closest_clearance_m = 0.0;
   hal::ContactEvent event;
@@ -75,14 +76,15 @@ TEST_CASE("whoever looks on from outside adds contacts, each with time, place an
   event.bumper = 2;
   event.solid = 17;
   event.measurable = true;
+  event.ran_into = true;
   record.events = {event, {}};
   sample.report.outside = nav::outside_view(record);
   REQUIRE(sample.report.outside->contact_list.size() == 2);
   const std::string json = json_of(sample.report);
-  CHECK(contains(json, R"("collisions":2,"collisions_measurable":1,"collisions_moving":1,)"));
+  CHECK(contains(json, R"("collisions":2,"collisions_measurable":1,"collisions_moving":1,"collisions_ran_into":1,)"));
   CHECK(contains(json, R"("fastest_collision_mps":0.25,"closest_clearance_m":0,)"));
   CHECK(contains(json, R"("contacts":[{"at_s":3.5,"x_m":1.25,"y_m":-2,"speed_mps":0.25,"bumper_flags":2,"solid":17,)"
-                       R"("moving":false,"measurable":true},{)"));
+                       R"("moving":false,"measurable":true,"ran_into":true},{)"));
 }
 
 TEST_CASE("the summary says in words how it went", "[nav][exploration_report]") {

@@ -47,6 +47,32 @@ TEST_CASE("failing while it rests does not count twice, and rests can be ended a
   CHECK(aside.ignored()[2] != 0);
 }
 
+TEST_CASE("what was blocked is forgiven, what was looked at in vain is not") {
+  SetAside aside;
+  aside.reset(10, 2, 30.0);
+  aside.exclude(5);
+  for (const std::uint32_t target : {1U, 2U, 5U}) aside.target_failed(target, SetAside::Cause::blocked, 0);
+  aside.target_failed(3, SetAside::Cause::fruitless, 0, 2);
+  aside.target_failed(4, SetAside::Cause::fruitless, 0);
+  aside.expire(30 * kSecond);
+  aside.target_failed(2, SetAside::Cause::blocked, 40 * kSecond);
+  aside.target_failed(4, SetAside::Cause::fruitless, 40 * kSecond);
+  aside.place_failed({50, 50}, 40 * kSecond);
+  REQUIRE(aside.is_given_up(2));
+  aside.target_failed(1, SetAside::Cause::blocked, 50 * kSecond);
+  aside.forgive_blocked();
+  for (const std::uint32_t target : {1U, 2U}) {
+    CHECK(aside.ignored()[target] == 0);
+    CHECK_FALSE(aside.is_given_up(target));
+  }
+  CHECK(aside.is_given_up(3));
+  CHECK(aside.is_given_up(4));
+  CHECK(aside.is_excluded(5));
+  CHECK_FALSE(aside.is_place_resting({50, 50}, 1));
+  aside.target_failed(2, SetAside::Cause::blocked, 60 * kSecond);  // counts as the first time
+  CHECK_FALSE(aside.is_given_up(2));
+}
+
 TEST_CASE("places rest with those near them") {
   SetAside aside;
   aside.reset(1, 3, 10.0);

@@ -37,7 +37,10 @@ struct Hall {
     places.refresh(ground, cost, roads, field, frontiers, camera, 100000);
   }
   std::span<const View> plan() {
-    return tour.plan(places, roads, field, robot, targets, ignored, [](const Place&) { return true; });
+    return plan_where([](const Place&) { return true; });
+  }
+  std::span<const View> plan_where(const std::function<bool(const Place&)>& allowed) {
+    return tour.plan({places, roads, field, robot, targets, ignored, allowed});
   }
   [[nodiscard]] double x_of(const View& view) const { return ground.centre_x_m(places.place(view.slot).cell); }
 
@@ -80,8 +83,7 @@ TEST_CASE("what is ignored is not looked at") {
 
 TEST_CASE("places that are not allowed are not gone to") {
   Hall hall;
-  const auto views = hall.tour.plan(hall.places, hall.roads, hall.field, hall.robot, hall.targets, hall.ignored,
-                                    [&](const Place& place) { return place.cell.x > 100; });
+  const auto views = hall.plan_where([](const Place& place) { return place.cell.x > 100; });
   REQUIRE_FALSE(views.empty());
   for (const View& view : views) CHECK(hall.places.place(view.slot).cell.x > 100);
 }
@@ -94,7 +96,7 @@ TEST_CASE("a view that is driven to stays first while another is better by littl
   REQUIRE(views.size() >= 2);
   const View other = views.back();
   const View first = views.front();
-  hall.tour.keep(&first);
+  hall.tour.keep(first);
   CHECK(hall.plan().front().slot == first.slot);
   CHECK(hall.plan().front().first_bearing == first.first_bearing);
   REQUIRE(hall.x_of(other) != hall.x_of(first));
@@ -118,4 +120,27 @@ TEST_CASE("targets are squares of 4 x 4 cells") {
   CHECK(targets.of_cell(0) == targets.of_cell(3 * 10 + 3));
   CHECK(targets.of_cell(4) == 1);
   CHECK(targets.of_cell(8 * 10 + 9) == 8);
+}
+
+TEST_CASE("a tour planned piece by piece is the one that is planned at once") {
+  Hall hall;
+  const auto at_once = hall.plan();
+  const std::vector<View> whole(at_once.begin(), at_once.end());
+  const std::function<bool(const Place&)> anywhere = [](const Place&) { return true; };
+  int pieces = 1;
+  hall.tour.begin();
+  for (;; ++pieces) {
+    WorkBudget budget(1);
+    if (hall.tour.go_on({hall.places, hall.roads, hall.field, hall.robot, hall.targets, hall.ignored, anywhere},
+                        budget)) {
+      break;
+    }
+    REQUIRE(pieces < 10'000'000);
+  }
+  CHECK(pieces > 100);
+  REQUIRE(hall.tour.views().size() == whole.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    CHECK(hall.tour.views()[i].slot == whole[i].slot);
+    CHECK(hall.tour.views()[i].heading_rad == whole[i].heading_rad);
+  }
 }

@@ -22,8 +22,8 @@ FlatResult run_explorer(FlatSim& sim, double limit_s, const nav::ExplorerConfig&
   while (sim.time_s() < limit_s && sim.coverage() < enough) {
     if (sim.time_s() >= next_decision_s) {
       const auto changed = sim.take_changed();
-      decision = explorer.decide(sim.ground(), sim.cost(), changed, sim.pose(),
-                                 static_cast<hal::TimeNs>(std::llround(sim.time_s() * 1e9)));
+      decision = decide_at_once(explorer, sim.ground(), sim.cost(), changed, sim.pose(),
+                                static_cast<hal::TimeNs>(std::llround(sim.time_s() * 1e9)));
       next_decision_s = sim.time_s() + 0.2;
       if (decision.kind == nav::DecisionKind::done) {
         result.ended = true;

@@ -13,7 +13,7 @@
 using namespace g3d::hal;
 
 TEST_CASE("every built-in world and path is good") {
-  CHECK(builtin_names().size() == 14);
+  CHECK(builtin_names().size() == 17);
   for (const std::string_view name : builtin_names()) {
     CAPTURE(name);
     const auto world = load_world(std::string(name));

@@ -192,6 +192,23 @@ TEST_CASE("two robots do not pass through each other, and nobody walks into one"
   CHECK(nearest_person_m > 0.2 + 0.178 + 0.3);
 }
 
+TEST_CASE("who runs into a robot that stands is told apart from whom it drives against") {
+  SimBuilding building(world_of("floor 0 0 0 40 40 0.1\nbox 0 3 0  0.2 0.4 1\n"),
+                       options_for({{-1, 0, 0}, {1, 0, 0}, {-1, 3, 0}}));
+  drive(building, 0, 0.3, 0);
+  drive(building, 2, 0.3, 0);
+  building.advance_to(15 * kSecond);
+  CHECK(building.record(0).contacts_moving == 1);
+  CHECK(building.record(0).contacts_ran_into == 0);
+  CHECK(building.record(1).contacts_moving == 1);
+  CHECK(building.record(1).contacts_ran_into == 1);
+  REQUIRE(building.record(1).events.size() == 1);
+  CHECK(building.record(1).events[0].ran_into);
+  CHECK(building.record(1).contacts == 1);
+  CHECK(building.record(2).contacts == 1);  // a box
+  CHECK(building.record(2).contacts_ran_into == 0);
+}
+
 TEST_CASE("a robot that drives over an edge hangs there and it is counted") {
   SimBuilding building(world_of("floor 0 0 0 2 2 0.1\n"), options_for({{0, 0, 0}}));
   drive(building, 0, 0.2, 0);

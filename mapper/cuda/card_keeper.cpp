@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/card_keeper.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mapper/cuda/carried.hpp"
+
+namespace g3d::mapper::cuda {
+namespace {
+
+constexpr hal::TimeNs kStartLimit_ns = 30'000'000'000;  // a driver may have to compile the kernels first
+constexpr std::uint32_t kFramesToRestart = 1;
+constexpr std::uint32_t kMostFramesToRestart = 1024;  // a card that is lost again and again is left alone for longer
+
+}  // namespace
+
+CardKeeper::CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor,
+                       std::span<const std::uint16_t> scan_mask, VoxelMap& mirror)
+    : sensor_(sensor), patience_ns_(config.card_patience_ns), twin_(config, sensor, scan_mask, mirror) {
+  start_helper();
+  if (helper_ != nullptr) take_if_ready(helper_->wait_started(kStartLimit_ns));
+  frames_until_start_ = 0;  // a driver that is not there now will not come
+}
+
+void CardKeeper::start_helper() {
+  const HelperSetup setup{.program = carried_helper(),
+                          .kernels = carried_kernels(),
+                          .sizes = twin_.builder().sizes(),
+                          .column_slope = sensor_.column_slope,
+                          .row_slope = sensor_.row_slope,
+                          .mask = twin_.builder().mask(),
+                          .patience_ns = patience_ns_};
+  helper_ = HelperProcess::start(setup, report_.problem);
+}
+
+void CardKeeper::take_if_ready(HelperState state) {
+  if (state == HelperState::starting) return;
+  if (state == HelperState::failed) {
+    report_.problem = helper_->problem();
+    helper_.reset();
+    return;
+  }
+  report_.name = helper_->card_name();
+  report_.memory_bytes = helper_->card_bytes();
+  twin_.set_card(helper_);
+}
+
+void CardKeeper::lose() {
+  ++report_.losses;
+  report_.problem = helper_->problem();
+  twin_.set_card(nullptr);
+  helper_.reset();
+  frames_until_start_ = std::min(kFramesToRestart << std::min(report_.losses - 1, 10U), kMostFramesToRestart);
+}
+
+bool CardKeeper::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                           std::uint32_t frame_number, FrameReport& report) {
+  if (!twin_.has_card()) {
+    if (helper_ != nullptr) {
+      take_if_ready(helper_->state());
+    } else if (frames_until_start_ > 0 && --frames_until_start_ == 0) {
+      start_helper();
+    }
+  }
+  if (twin_.has_card()) {
+    FrameReport by_card;
+    if (twin_.integrate(frame, geometry, with_colour, frame_number, by_card)) {
+      report = by_card;
+      ++report_.frames_on_card;
+      return true;
+    }
+    lose();
+  }
+  ++report_.frames_on_cpu;
+  return false;
+}
+
+}  // namespace g3d::mapper::cuda

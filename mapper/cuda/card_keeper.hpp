@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Has frames integrated by a card while there is one, and sees to it that there is one again after it was lost. It
+// never waits for that: until a new helper is ready, frames go to the CPU twin. Thread: mapper thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "mapper/cuda/helper_process.hpp"
+#include "mapper/cuda/twin.hpp"
+#include "mapper/mapper.hpp"
+
+namespace g3d::mapper::cuda {
+
+class CardKeeper {
+ public:
+  /// Starts a helper and waits until it has loaded its driver, or says that there is none.
+  CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask,
+             VoxelMap& mirror);
+
+  /// False: there is no card, or it was lost with this frame; the map is what it was, and the caller goes on.
+  [[nodiscard]] bool integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                               std::uint32_t frame_number, FrameReport& report);
+  [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return twin_.changed_slots(); }
+  [[nodiscard]] bool is_ready() const { return twin_.has_card(); }
+  [[nodiscard]] const CardReport& report() const { return report_; }
+  [[nodiscard]] int process() const { return helper_ != nullptr ? helper_->pid() : -1; }
+
+ private:
+  void start_helper();
+  void take_if_ready(HelperState state);
+  void lose();
+
+  const cpu::SensorGeometry& sensor_;
+  hal::TimeNs patience_ns_;
+  Twin twin_;
+  std::shared_ptr<HelperProcess> helper_;
+  CardReport report_;
+  std::uint32_t frames_until_start_ = 0;  ///< after a loss; 0: never again, or it is under way
+};
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/target_host.hpp"
+//
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "mapper/cuda/emulated.hpp"
+#include "mapper/cuda/kernels/launches.hpp"
+
+namespace g3d::mapper::cuda {
+namespace {
+
+constexpr std::uint32_t kRoom = 512;  // little, so that tests see more than one round
+
+}  // namespace
+
+Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope, std::span<const float> row_slope,
+                   std::span<const std::uint16_t> mask, std::uint64_t seed)
+    : random_(seed * 0x9E3779B97F4A7C15ULL + 1),
+      bytes_(place(memory_, sizes, 0) + kAlign_bytes),
+      heads_(kRoom),
+      planes_(kRoom),
+      bricks_(std::size_t{kRoom} * kBricks) {
+  const std::uintptr_t base =
+      (reinterpret_cast<std::uintptr_t>(bytes_.data()) + kAlign_bytes - 1) / kAlign_bytes * kAlign_bytes;
+  place(memory_, sizes, base);
+  std::memset(memory_.hits, 0xFF, hits_bytes(sizes));
+  *memory_.state = initial_state(sizes);
+  std::copy(column_slope.begin(), column_slope.end(), memory_.column_slope);
+  std::copy(row_slope.begin(), row_slope.end(), memory_.row_slope);
+  std::copy(mask.begin(), mask.end(), memory_.mask);
+  parcels_ = {heads_.data(), planes_.data(), bricks_.data()};
+}
+
+std::uint64_t Emulated::next_random() {
+  random_ ^= random_ << 13;
+  random_ ^= random_ >> 7;
+  random_ ^= random_ << 17;
+  return random_ >> 16;
+}
+
+void Emulated::shuffle(std::vector<int>& order) {
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[next_random() % i]);
+}
+
+template <typename Kernel>
+void Emulated::launch(int blocks, int threads, Kernel&& kernel) {
+  std::vector<int> block_order(static_cast<std::size_t>(blocks));
+  std::vector<int> thread_order(static_cast<std::size_t>(threads));
+  std::iota(block_order.begin(), block_order.end(), 0);
+  std::iota(thread_order.begin(), thread_order.end(), 0);
+  shuffle(block_order);
+  for (const int index : block_order) {
+    shuffle(thread_order);
+    kernel(Block(index, blocks, thread_order));
+  }
+}
+
+// Counts of blocks are odd ones, so that what is dealt out to them comes in uneven shares.
+bool Emulated::import_blocks(std::uint32_t count) {
+  launch(7, kUpdateThreads, [&](const Block& block) { cuda::import_blocks(block, memory_, parcels_, count); });
+  return true;
+}
+
+bool Emulated::run_frame(FrameCounters& counters) {
+  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_, memory_.input->params); });
+  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_, memory_.input->params); });
+  if (walks_rays(memory_.input->params.free_by)) {
+    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_, memory_.input->params); });
+  }
+  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_, memory_.input->params); });
+  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_, memory_.input->params); });
+  send(0, counters);
+  return true;
+}
+
+bool Emulated::send_blocks(std::uint32_t first) {
+  FrameCounters again{};
+  send(first, again);
+  return true;
+}
+
+void Emulated::send(std::uint32_t first, FrameCounters& counters) {
+  launch(11, kUpdateThreads,
+         [&](const Block& block) { export_blocks(block, memory_, parcels_, &counters, first, room()); });
+}
+
+}  // namespace g3d::mapper::cuda

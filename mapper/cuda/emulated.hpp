@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels run by this processor, block by block in random order: what a card without a card would do. For tests
+// and sanitizers; it is slow.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mapper/cuda/card.hpp"
+
+namespace g3d::mapper::cuda {
+
+class Emulated final : public Card {
+ public:
+  /// Sizes of a FrameBuilder. Different seeds, different orders.
+  Emulated(const MemorySizes& sizes, std::span<const float> column_slope, std::span<const float> row_slope,
+           std::span<const std::uint16_t> mask, std::uint64_t seed);
+
+  [[nodiscard]] FrameInput& input() override { return *memory_.input; }
+  [[nodiscard]] std::uint16_t* depth() override { return memory_.depth; }
+  [[nodiscard]] std::uint8_t* rgb() override { return memory_.rgb; }
+  [[nodiscard]] const Parcels& parcels() override { return parcels_; }
+  [[nodiscard]] std::uint32_t room() const override { return static_cast<std::uint32_t>(heads_.size()); }
+  bool import_blocks(std::uint32_t count) override;
+  bool run_frame(FrameCounters& counters) override;
+  bool send_blocks(std::uint32_t first) override;
+
+  [[nodiscard]] const Memory& memory() const { return memory_; }
+
+ private:
+  template <typename Kernel>
+  void launch(int blocks, int threads, Kernel&& kernel);
+  void send(std::uint32_t first, FrameCounters& counters);
+  std::uint64_t next_random();
+  void shuffle(std::vector<int>& order);
+
+  std::uint64_t random_;
+  std::vector<std::byte> bytes_;
+  Memory memory_{};
+  std::vector<ParcelHead> heads_;
+  std::vector<ParcelPlane> planes_;
+  std::vector<ParcelBrick> bricks_;
+  Parcels parcels_{};
+};
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/helper/card_session.hpp"
+
+#include <cstring>
+#include <initializer_list>
+
+namespace g3d::mapper::cuda {
+namespace {
+
+constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
+constexpr unsigned kUpdateThreads = 128;
+constexpr unsigned kSpin = 1;        // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
+constexpr unsigned kDeviceMap = 2;   // CU_MEMHOSTREGISTER_DEVICEMAP
+constexpr int kProcessorCount = 16;  // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
+constexpr int kRelaxedCapture = 2;   // CU_STREAM_CAPTURE_MODE_RELAXED
+constexpr int kErrorLog = 5;         // CU_JIT_ERROR_LOG_BUFFER and its size
+constexpr int kErrorLogBytes = 6;
+
+void put_text(char* to, std::size_t room, const char* a, const char* b, const char* c) {
+  std::size_t n = 0;
+  for (const char* part : {a, b, c}) {
+    for (; part != nullptr && *part != 0 && n + 1 < room; ++part) to[n++] = *part;
+  }
+  to[n] = 0;
+}
+
+unsigned tiles(unsigned size, unsigned tile) { return (size + tile - 1) / tile; }
+
+}  // namespace
+
+bool CardSession::check(int result, const char* what) {
+  if (result == 0) return true;
+  const char* name = nullptr;
+  if (driver_.get_error_name != nullptr) driver_.get_error_name(result, &name);
+  if (control_->problem[0] == 0) put_text(control_->problem, sizeof control_->problem, what, ": ", name);
+  return false;
+}
+
+bool CardSession::start(HelperControl& control) {
+  control_ = &control;
+  if (const char* missing = load_driver(driver_); missing != nullptr) {
+    put_text(control.problem, sizeof control.problem, "no NVIDIA driver here: ", missing, " is missing");
+    return false;
+  }
+  return make_context() && load_kernels() && make_memory() && make_graph(whole_graph_, true) &&
+         make_graph(launch_graph_, false);
+}
+
+bool CardSession::make_context() {
+  CuHandle context = nullptr;
+  if (!check(driver_.init(0), "cuInit") || !check(driver_.device_get(&device_, 0), "cuDeviceGet")) return false;
+  driver_.device_get_name(control_->card, sizeof control_->card, device_);
+  int processors = 1;
+  driver_.device_get_attribute(&processors, kProcessorCount, device_);
+  processors_ = static_cast<unsigned>(processors);
+  control_->processors = processors_;
+  driver_.primary_context_set_flags(device_, kSpin);
+  if (!check(driver_.primary_context_retain(&context, device_), "context") ||
+      !check(driver_.context_set_current(context), "context") || !check(driver_.stream_create(&stream_, 1), "stream") ||
+      !check(driver_.stream_create(&copy_stream_, 1), "stream") || !check(driver_.event_create(&begun_, 0), "event") ||
+      !check(driver_.event_create(&colour_there_, 0), "event")) {
+    return false;
+  }
+  for (CuHandle& event : events_) {
+    if (!check(driver_.event_create(&event, 0), "event")) return false;
+  }
+  return true;
+}
+
+bool CardSession::load_kernels() {
+  static char log[200];
+  int options[] = {kErrorLog, kErrorLogBytes};
+  void* values[] = {log, reinterpret_cast<void*>(sizeof log)};
+  CuHandle module = nullptr;
+  const int loaded = driver_.module_load_data_ex(&module, shared<const char>(control_->program), 2, options, values);
+  if (loaded != 0) put_text(control_->problem, sizeof control_->problem, "the driver refuses the kernels: ", log, "");
+  if (!check(loaded, "module")) return false;
+  constexpr const char* kNames[kKernelCount] = {"import_blocks_kernel", "scan_image_kernel", "reduce_image_kernel",
+                                                "walk_image_kernel",    "find_work_kernel",  "update_map_kernel",
+                                                "export_blocks_kernel"};
+  for (int i = 0; i < kKernelCount; ++i) {
+    if (!check(driver_.module_get_function(&kernels_[i], module, kNames[i]), kNames[i])) return false;
+  }
+  std::size_t bytes = 0;
+  std::size_t param_bytes = 0;
+  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map") ||
+      !check(driver_.module_get_global(&params_symbol_, &param_bytes, module, "frame_params"), "frame_params")) {
+    return false;
+  }
+  if (bytes == sizeof(Memory) && param_bytes == sizeof(FrameParams)) return true;
+  put_text(control_->problem, sizeof control_->problem, "kernels and helper are of different builds", "", "");
+  return false;
+}
+
+bool CardSession::make_memory() {
+  const MemorySizes& sizes = control_->sizes;
+  // Where the card reaches host memory, parcels and counters are written there; else they are copied.
+  CuDevicePointer mapped = 0;
+  mapped_ = driver_.host_register(control_, control_->all_bytes, kDeviceMap) == 0 &&
+            driver_.host_get_device_pointer(&mapped, control_, 0) == 0;
+  control_->copies_parcels = mapped_ ? 0 : 1;
+  const std::uint64_t heads_bytes = control_->planes - control_->heads;
+  const std::uint64_t planes_bytes = control_->bricks - control_->planes;
+  const std::uint64_t bricks_bytes = control_->all_bytes - control_->bricks;
+  const std::uint64_t map_bytes = place(memory_, sizes, 0);
+  const std::uint64_t own_bytes = aligned(sizeof(FrameCounters)) + heads_bytes + planes_bytes + bricks_bytes;
+  control_->card_bytes = map_bytes + (mapped_ ? 0 : own_bytes);
+  if (!check(driver_.mem_alloc(&base_, control_->card_bytes), "memory of the card")) return false;
+  place(memory_, sizes, base_);
+  CuDevicePointer first = base_ + map_bytes;
+  card_counters_ = mapped_ ? mapped + offsetof(HelperControl, counters) : first;
+  first += aligned(sizeof(FrameCounters));
+  const CuDevicePointer heads = mapped_ ? mapped + control_->heads : first;
+  const CuDevicePointer planes = mapped_ ? mapped + control_->planes : first + heads_bytes;
+  const CuDevicePointer bricks = mapped_ ? mapped + control_->bricks : first + heads_bytes + planes_bytes;
+  parcels_ = {reinterpret_cast<ParcelHead*>(heads), reinterpret_cast<ParcelPlane*>(planes),
+              reinterpret_cast<ParcelBrick*>(bricks)};
+  const MapState state = initial_state(sizes);
+  const auto at = [](const auto* p) { return static_cast<CuDevicePointer>(reinterpret_cast<std::uintptr_t>(p)); };
+  const std::uint64_t zeros = at(memory_.hits) - base_;
+  return check(driver_.memset_d8(base_, 0, zeros), "memory of the card") &&
+         check(driver_.memset_d8(at(memory_.hits), 0xFF, hits_bytes(sizes)), "memory of the card") &&
+         check(driver_.copy_to_card(at(memory_.state), &state, sizeof state), "memory of the card") &&
+         check(driver_.copy_to_card(at(memory_.column_slope), shared<const char>(control_->sensor),
+                                    control_->sensor_bytes),
+               "memory of the card") &&
+         check(driver_.copy_to_card(memory_symbol_, &memory_, sizeof memory_), "memory of the card");
+}
+
+bool CardSession::make_graph(CuHandle& graph, bool with_copies) {
+  if (driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
+      driver_.graph_instantiate == nullptr || driver_.graph_launch == nullptr) {
+    return true;
+  }
+  CuHandle captured = nullptr;
+  return check(driver_.stream_begin_capture(stream_, kRelaxedCapture), "graph") && launch_frame(with_copies) &&
+         check(driver_.stream_end_capture(stream_, &captured), "graph") &&
+         check(driver_.graph_instantiate(&graph, captured, 0), "graph");
+}
+
+bool CardSession::launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments) {
+  return check(driver_.launch_kernel(kernels_[kernel], blocks, 1, 1, threads, 1, 1, 0, stream_, arguments, nullptr),
+               "launch");
+}
+
+/// The same grids for every frame: blocks of threads stride over what there is.
+bool CardSession::launch_step(int kernel) {
+  const MemorySizes& s = control_->sizes;
+  const unsigned pixel_tiles = tiles(s.width_px, 32) * tiles(s.height_px, 8);
+  switch (static_cast<Kernel>(kernel)) {
+    case kScan: {
+      const unsigned rows_together = kPixelThreads / tiles(s.width_px, 8);
+      const unsigned tasks = tiles(s.width_px, 8) + tiles(s.height_px, rows_together) + pixel_tiles + 1;
+      return launch(kScan, tasks, kPixelThreads, nullptr);
+    }
+    case kReduce:
+      return launch(kReduce, tiles(s.width_px, 64) * tiles(s.height_px, 64) + pixel_tiles, kPixelThreads, nullptr);
+    case kWalk:
+      return s.walks_rays == 0 || launch(kWalk, pixel_tiles, kPixelThreads, nullptr);
+    case kFind:
+      return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
+    case kUpdate:
+      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
+    default:
+      return launch_export(0);
+  }
+}
+
+bool CardSession::launch_export(std::uint32_t first) {
+  std::uint32_t room = control_->room;
+  void* arguments[] = {&parcels_, &card_counters_, &first, &room};
+  return launch(kExport, 8 * processors_, kUpdateThreads, arguments);
+}
+
+/// Everything of the input but the colours, and the parameters to where the kernels read them.
+bool CardSession::copy_depth() {
+  const char* input = shared<const char>(control_->input);
+  const std::uint64_t bytes = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
+  return check(driver_.copy_to_card_async(params_symbol_, input, sizeof(FrameParams), stream_), "input") &&
+         check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
+}
+
+bool CardSession::copy_colour(CuHandle stream) {
+  const std::uint64_t first = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
+  return check(driver_.copy_to_card_async(base_ + first, shared<const char>(control_->input) + first,
+                                          control_->input_bytes - first, stream),
+               "input");
+}
+
+/// Colours are needed last: they are copied beside the first launches.
+bool CardSession::launch_frame(bool with_copies) {
+  if (with_copies &&
+      !(check(driver_.event_record(begun_, stream_), "event") &&
+        check(driver_.stream_wait_event(copy_stream_, begun_, 0), "event") && copy_depth() &&
+        copy_colour(copy_stream_) && check(driver_.event_record(colour_there_, copy_stream_), "event"))) {
+    return false;
+  }
+  for (int kernel = kScan; kernel < kUpdate; ++kernel) {
+    if (!launch_step(kernel)) return false;
+  }
+  if (with_copies && !check(driver_.stream_wait_event(stream_, colour_there_, 0), "event")) return false;
+  return launch_step(kUpdate);
+}
+
+bool CardSession::run_frame() {
+  const bool launched =
+      whole_graph_ != nullptr ? check(driver_.graph_launch(whole_graph_, stream_), "graph") : launch_frame(true);
+  return launched && launch_export(0) && check(driver_.stream_synchronize(stream_), "frame") && fetch_parcels(0);
+}
+
+/// Events around the launches of the frame, and around what comes back; the copies are through by then.
+bool CardSession::run_timed() {
+  bool ok = copy_depth() && copy_colour(stream_) && check(driver_.stream_synchronize(stream_), "input") &&
+            check(driver_.event_record(events_[0], stream_), "event");
+  ok = ok &&
+       (launch_graph_ != nullptr ? check(driver_.graph_launch(launch_graph_, stream_), "graph") : launch_frame(false));
+  ok = ok && check(driver_.event_record(events_[1], stream_), "event") && launch_export(0) &&
+       check(driver_.event_record(events_[2], stream_), "event") && check(driver_.stream_synchronize(stream_), "frame");
+  for (int i = 0; ok && i < 2; ++i) {
+    float ms = 0.0F;
+    ok = check(driver_.event_elapsed_time(&ms, events_[i], events_[i + 1]), "event");
+    control_->stage_us[i] = 1000.0F * ms;
+  }
+  return ok && fetch_parcels(0);
+}
+
+bool CardSession::run_stages() {
+  bool ok = check(driver_.event_record(events_[0], stream_), "event") && copy_depth() && copy_colour(stream_);
+  for (int i = kScan; ok && i < kKernelCount; ++i) {
+    ok = check(driver_.event_record(events_[i], stream_), "event") && launch_step(i);
+  }
+  ok = ok && check(driver_.event_record(events_[kKernelCount], stream_), "event") &&
+       check(driver_.stream_synchronize(stream_), "frame");
+  for (int i = 0; ok && i < kKernelCount; ++i) {
+    float ms = 0.0F;
+    ok = check(driver_.event_elapsed_time(&ms, events_[i], events_[i + 1]), "event");
+    control_->stage_us[i] = 1000.0F * ms;
+  }
+  return ok && fetch_parcels(0);
+}
+
+bool CardSession::import_blocks(std::uint32_t count) {
+  if (count > control_->room) return false;
+  const auto at = [](const auto* p) { return static_cast<CuDevicePointer>(reinterpret_cast<std::uintptr_t>(p)); };
+  if (!mapped_) {
+    const bool copied =
+        check(driver_.copy_to_card(at(parcels_.heads), shared<char>(control_->heads), count * sizeof(ParcelHead)),
+              "parcels") &&
+        check(driver_.copy_to_card(at(parcels_.planes), shared<char>(control_->planes), count * sizeof(ParcelPlane)),
+              "parcels") &&
+        check(driver_.copy_to_card(at(parcels_.bricks), shared<char>(control_->bricks),
+                                   std::size_t{count} * kBricks * sizeof(ParcelBrick)),
+              "parcels");
+    if (!copied) return false;
+  }
+  void* arguments[] = {&parcels_, &count};
+  return launch(kImport, 4 * processors_, kUpdateThreads, arguments) &&
+         check(driver_.stream_synchronize(stream_), "import");
+}
+
+bool CardSession::send_blocks(std::uint32_t first) {
+  return launch_export(first) && check(driver_.stream_synchronize(stream_), "parcels") && fetch_parcels(first);
+}
+
+bool CardSession::fetch_parcels(std::uint32_t first) {
+  if (mapped_) return true;
+  const auto at = [](const auto* p) { return static_cast<CuDevicePointer>(reinterpret_cast<std::uintptr_t>(p)); };
+  if (!check(driver_.copy_to_host(&control_->counters, card_counters_, sizeof(FrameCounters)), "counters"))
+    return false;
+  const std::uint32_t changed = control_->counters.changed;
+  std::size_t count = changed > first ? changed - first : 0;
+  if (count > control_->room) count = control_->room;
+  if (count == 0) return true;
+  return check(driver_.copy_to_host(shared<char>(control_->heads), at(parcels_.heads), count * sizeof(ParcelHead)),
+               "parcels") &&
+         check(driver_.copy_to_host(shared<char>(control_->planes), at(parcels_.planes), count * sizeof(ParcelPlane)),
+               "parcels") &&
+         check(driver_.copy_to_host(shared<char>(control_->bricks), at(parcels_.bricks),
+                                    count * kBricks * sizeof(ParcelBrick)),
+               "parcels");
+}
+
+bool CardSession::obey() {
+  switch (static_cast<HelperCommand>(control_->command)) {
+    case HelperCommand::import_blocks:
+      return import_blocks(control_->count);
+    case HelperCommand::run_frame:
+      return run_frame();
+    case HelperCommand::run_frame_timed:
+      return run_timed();
+    case HelperCommand::run_stages_timed:
+      return run_stages();
+    case HelperCommand::send_blocks:
+      return send_blocks(control_->count);
+    case HelperCommand::hang:
+      break;
+  }
+  return false;
+}
+
+}  // namespace g3d::mapper::cuda

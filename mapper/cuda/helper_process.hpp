@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The card behind a helper process. Whether the process is missing a driver, dies or hangs: a call then returns false,
+// within `patience` or as soon as the process is gone, and the card counts as lost.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hal/clock.hpp"
+#include "mapper/cuda/card.hpp"
+#include "mapper/cuda/helper_protocol.hpp"
+
+namespace g3d::mapper::cuda {
+
+struct HelperSetup {
+  std::span<const std::byte> program;  ///< the helper's executable
+  std::string_view kernels;            ///< PTX
+  MemorySizes sizes;
+  std::uint32_t room = 16384;  ///< parcels in one go
+  std::span<const float> column_slope;
+  std::span<const float> row_slope;
+  std::span<const std::uint16_t> mask;
+  hal::TimeNs patience_ns = 33'000'000;  ///< a frame's time: a helper that takes longer is taken for hung
+};
+
+class HelperProcess final : public Card {
+ public:
+  /// Starts the process and returns at once. nullptr and `problem` if the system cannot.
+  [[nodiscard]] static std::unique_ptr<HelperProcess> start(const HelperSetup& setup, std::string& problem);
+  ~HelperProcess() override;
+  HelperProcess(const HelperProcess&) = delete;
+  HelperProcess& operator=(const HelperProcess&) = delete;
+
+  /// starting: ask again. failed: problem() says why.
+  [[nodiscard]] HelperState state();
+  /// Waits while it is starting, so long at most.
+  HelperState wait_started(hal::TimeNs limit_ns);
+  [[nodiscard]] std::string problem() const;
+  [[nodiscard]] std::string card_name() const { return control_->card; }
+  [[nodiscard]] std::uint64_t card_bytes() const { return control_->card_bytes; }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+  [[nodiscard]] FrameInput& input() override { return *at<FrameInput>(control_->input); }
+  [[nodiscard]] std::uint16_t* depth() override { return depth_; }
+  [[nodiscard]] std::uint8_t* rgb() override { return rgb_; }
+  [[nodiscard]] const Parcels& parcels() override { return parcels_; }
+  [[nodiscard]] std::uint32_t room() const override { return room_; }
+  bool import_blocks(std::uint32_t count) override;
+  bool run_frame(FrameCounters& counters) override;
+  bool send_blocks(std::uint32_t first) override;
+
+  /// For measurements: run_frame() asks for this instead, and stages_us() tells what it took.
+  void set_frame_command(HelperCommand command) { frame_command_ = command; }
+  [[nodiscard]] std::span<const float, kStages> stages_us() const {
+    return std::span<const float, kStages>(control_->stage_us);
+  }
+  /// For tests: has the helper hang.
+  bool ask(HelperCommand command, std::uint32_t count, hal::TimeNs patience_ns);
+
+ private:
+  HelperProcess() = default;
+  template <typename T>
+  [[nodiscard]] T* at(std::uint64_t offset) const {
+    return reinterpret_cast<T*>(reinterpret_cast<char*>(control_) + offset);
+  }
+  [[nodiscard]] bool has_ended();
+  void fill(const HelperSetup& setup);
+  [[nodiscard]] bool spawn(std::span<const std::byte> program, std::string& problem);
+
+  hal::RealClock clock_;
+  HelperControl* control_ = nullptr;
+  std::size_t bytes_ = 0;
+  int memory_file_ = -1;
+  pid_t pid_ = -1;
+  bool ended_ = false;
+  std::uint32_t asked_ = 0;
+  std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
+  std::uint16_t* depth_ = nullptr;
+  std::uint8_t* rgb_ = nullptr;
+  Parcels parcels_{};
+  hal::TimeNs patience_ns_ = 0;
+  HelperCommand frame_command_ = HelperCommand::run_frame;
+};
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the program and its helper process share: one memory file, and two counters in it that either waits for. The
+// helper alone loads the driver: a static executable cannot, and what takes the driver down takes the helper down, not
+// the robot. Numbers that come from the helper are checked like any others from outside.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mapper/cuda/memory.hpp"
+
+namespace g3d::mapper::cuda {
+
+inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
+inline constexpr int kStages = 8;
+
+enum class HelperState : std::uint32_t { starting, ready, failed };
+
+enum class HelperCommand : std::uint32_t {
+  import_blocks,
+  run_frame,
+  run_frame_timed,   ///< copies first; then how long the launches took, and what comes back, in stage_us[0] and [1]
+  run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
+  send_blocks,
+  hang,  ///< for tests: never answers
+};
+
+/// At the beginning of the shared memory. Written by the program, but where it says otherwise.
+struct HelperControl {
+  std::uint32_t version;
+  std::uint32_t state;     ///< HelperState; by the helper
+  std::uint32_t asked;     ///< counts commands
+  std::uint32_t answered;  ///< counts them as well; by the helper
+  std::uint32_t command;
+  std::uint32_t count;  ///< parcels to import, or first changed block to send
+  std::uint32_t ok;     ///< by the helper
+  std::uint32_t room;   ///< parcels in one go
+  MemorySizes sizes;
+  FrameCounters counters;  ///< by the card
+  // Offsets in bytes from here
+  std::uint64_t program;  ///< PTX, zero-terminated
+  std::uint64_t input;    ///< FrameInput, depth, rgb as Memory has them
+  std::uint64_t input_bytes;
+  std::uint64_t sensor;  ///< column_slope, row_slope, mask as Memory has them
+  std::uint64_t sensor_bytes;
+  std::uint64_t heads;
+  std::uint64_t planes;
+  std::uint64_t bricks;
+  std::uint64_t all_bytes;
+  // By the helper
+  float stage_us[kStages];
+  std::uint64_t card_bytes;      ///< that it took of the card's memory
+  std::uint32_t processors;      ///< multiprocessors of the card
+  std::uint32_t copies_parcels;  ///< 1: the card cannot reach host memory, so parcels are copied
+  char card[96];
+  char problem[256];  ///< why it failed
+};
+
+/// Lays out everything behind the control block; returns the number of bytes in all.
+[[nodiscard]] inline std::uint64_t lay_out(HelperControl& control, std::size_t program_bytes) {
+  Memory m{};
+  place(m, control.sizes, 0);
+  const auto offset = [](const auto* p) { return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(p)); };
+  std::uint64_t next = aligned(sizeof(HelperControl));
+  const auto take = [&next](std::uint64_t bytes) {
+    const std::uint64_t at = next;
+    next += (bytes + 4095) / 4096 * 4096;
+    return at;
+  };
+  next = (next + 4095) / 4096 * 4096;
+  control.program = take(program_bytes + 1);
+  control.input_bytes = offset(m.column_slope);
+  control.input = take(control.input_bytes);
+  control.sensor_bytes = offset(m.ends[0]) - offset(m.column_slope);
+  control.sensor = take(control.sensor_bytes);
+  control.heads = take(std::uint64_t{control.room} * sizeof(ParcelHead));
+  control.planes = take(std::uint64_t{control.room} * sizeof(ParcelPlane));
+  control.bricks = take(std::uint64_t{control.room} * kBricks * sizeof(ParcelBrick));
+  control.all_bytes = next;
+  return next;
+}
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels' entry points, compiled by clang to PTX without a CUDA toolkit (see the Makefile).
+#include "mapper/cuda/target_ptx.hpp"
+//
+#include "mapper/cuda/kernels/launches.hpp"
+
+// So many registers that this many blocks of threads share a multiprocessor: they wait for memory most of the time.
+#define G3D_KERNEL(threads, blocks) extern "C" __attribute__((global, launch_bounds(threads, blocks))) void
+
+using namespace g3d::mapper::cuda;
+
+/// Filled by whoever owns the memory, the first once and the second before every frame. All threads read the same word at
+/// once: what constant memory is for.
+extern "C" {
+__attribute__((constant)) Memory memory_map;
+__attribute__((constant)) FrameParams frame_params;
+}
+
+G3D_KERNEL(kUpdateThreads, 8) import_blocks_kernel(const Parcels in, std::uint32_t count) {
+  import_blocks(Block{}, memory_map, in, count);
+}
+G3D_KERNEL(kPixelThreads, 5) scan_image_kernel() { scan_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 5) reduce_image_kernel() { reduce_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 6) walk_image_kernel() { walk_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 4) find_work_kernel() { find_work(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kUpdateThreads, 6) update_map_kernel() { update_map(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kUpdateThreads, 8) export_blocks_kernel(const Parcels out, FrameCounters* counters, std::uint32_t first, std::uint32_t room) {
+  export_blocks(Block{}, memory_map, out, counters, first, room);
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small things that all kernels share. Kernel sources are seen by two compilers: after target_ptx.hpp by the one for
+// the card, after target_host.hpp by the one for the emulation; so they name neither. float32, + - * / alone, the same
+// operations in the same order as the CPU twin's.
+#pragma once
+
+#include "mapper/cuda/memory.hpp"
+#include "mapper/morton.hpp"
+
+namespace g3d::mapper::cuda {
+
+inline constexpr int kPixelThreads = 256;   ///< per block, in kernels over images and boxes
+inline constexpr int kUpdateThreads = 128;  ///< per block, in kernels over blocks of the map: four voxels each
+
+template <typename T>
+[[nodiscard]] constexpr T least(T a, T b) {
+  return b < a ? b : a;
+}
+template <typename T>
+[[nodiscard]] constexpr T most(T a, T b) {
+  return a < b ? b : a;
+}
+[[nodiscard]] constexpr int tiles(int size, int tile) { return (size + tile - 1) / tile; }
+
+/// 2^15 - 1 + ceil(x), relative to an origin.
+inline G3D_GPU std::int32_t cell_of(float x_cells, std::int32_t origin) {
+  return static_cast<std::int32_t>(__builtin_ceilf(x_cells)) + 32767 - origin;
+}
+
+inline G3D_GPU std::uint32_t block_id_at(const FrameParams& f, int bx, int by, int bz) {
+  return static_cast<std::uint32_t>(bx + f.blocks[0] * (by + f.blocks[1] * bz));
+}
+
+inline G3D_GPU std::uint64_t block_key_at(const FrameParams& f, int bx, int by, int bz) {
+  return block_of({f.origin[0] + 8 * bx, f.origin[1] + 8 * by, f.origin[2] + 8 * bz});
+}
+
+/// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.
+[[nodiscard]] constexpr std::uint32_t spread_three(std::uint32_t v) { return (v & 1U) | (v & 2U) << 2 | (v & 4U) << 4; }
+[[nodiscard]] constexpr std::uint32_t place_at(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return spread_three(static_cast<std::uint32_t>(x)) | spread_three(static_cast<std::uint32_t>(y)) << 1 |
+         spread_three(static_cast<std::uint32_t>(z)) << 2;
+}
+
+/// Camera-frame position of the centre of a block's first voxel; see cpu::voxel_in_camera_m.
+struct Corner {
+  float x_m;
+  float y_m;
+  float z_m;
+};
+inline G3D_GPU Corner corner_of(const FrameParams& f, int bx, int by, int bz) {
+  const float* R = f.rotation;
+  const float x = (static_cast<float>(f.origin[0] + 8 * bx) - 32767.5F) * f.resolution_m - f.translation_m[0];
+  const float y = (static_cast<float>(f.origin[1] + 8 * by) - 32767.5F) * f.resolution_m - f.translation_m[1];
+  const float z = (static_cast<float>(f.origin[2] + 8 * bz) - 32767.5F) * f.resolution_m - f.translation_m[2];
+  return {R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z};
+}
+
+}  // namespace g3d::mapper::cuda

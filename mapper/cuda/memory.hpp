@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where everything lies on the card: one allocation, cut into arrays by place(). The same function serves the helper
+// (device addresses), the emulation (host addresses) and whoever only wants to know the size.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "mapper/cuda/frame_params.hpp"
+
+namespace g3d::mapper::cuda {
+
+inline constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+inline constexpr std::uint64_t kForgotten = ~std::uint64_t{0};  ///< table entry of a block that was erased
+inline constexpr int kVoxels = 512;                             ///< of a block
+inline constexpr int kBrickSize = 64;                           ///< voxels of a brick
+inline constexpr int kBricks = 8;                               ///< of a block
+inline constexpr int kMarkWords = 16;                           ///< one bit per voxel of a block
+
+/// A block of the map. Its form follows from its values: a plane unless all are equal and colourless, a brick where
+/// some voxel has a colour.
+struct GpuBlock {
+  std::uint64_t key;
+  std::uint32_t plane;  ///< kNone: all 512 voxels have uniform_level
+  std::uint32_t uniform_level;
+  std::uint32_t bricks[kBricks];  ///< kNone: no voxel of the brick has a colour
+};
+
+/// A block that the frame may change.
+struct WorkItem {
+  std::uint32_t block_id;  ///< in the frame's box
+  std::uint32_t slot;      ///< kNone: not in the map yet
+  std::uint32_t record;    ///< kNone: nothing was measured in it
+  std::uint32_t view;      ///< View
+  float farthest_m;        ///< see cpu::BlockView
+  float nearest_m;
+  GpuBlock old;  ///< as the frame found it
+};
+
+/// Slots of one kind. What is given back during a launch can be taken from the next frame on.
+struct GpuPool {
+  std::int32_t free_count;  ///< on the stack
+  std::uint32_t high_water;
+  std::uint32_t returned_count;
+  std::uint32_t capacity;
+};
+
+struct MapState {
+  GpuPool blocks;
+  GpuPool planes;
+  GpuPool bricks;
+  std::uint32_t table_mask;
+  std::uint32_t refused_imports;  ///< blocks from the host for which there was no room, ever
+};
+
+/// A block on its way between the card and the host.
+struct ParcelHead {
+  std::uint64_t key;
+  std::uint32_t plane;  ///< index among the parcel planes, kNone: uniform
+  std::uint8_t uniform_level;
+  std::uint8_t bricks;  ///< bit b: brick b follows
+  std::uint8_t erase;   ///< to the card only: forget it
+  std::uint8_t reserved;
+  std::uint32_t first_brick;  ///< index among the parcel bricks
+  std::uint32_t reserved2;
+};
+struct ParcelPlane {
+  std::uint8_t levels[kVoxels];  ///< stored bytes, with kHasColourBit
+};
+struct ParcelBrick {
+  std::uint8_t rgb[3 * kBrickSize];
+};
+
+/// Parcels of one direction; in memory that host and card share.
+struct Parcels {
+  ParcelHead* heads;
+  ParcelPlane* planes;
+  ParcelBrick* bricks;
+};
+
+struct Memory {
+  // Copied from the host for every frame, in one piece
+  FrameInput* input;
+  std::uint16_t* depth;
+  std::uint8_t* rgb;
+  // The sensor's, copied once, in one piece
+  float* column_slope;
+  float* row_slope;
+  std::uint16_t* mask;
+  // Images
+  std::uint16_t* ends[kImageLevels];       ///< level 0: ray ends; above: maxima of 2x2 cells. Padded
+  std::uint16_t* strong[kImageLevels];  ///< the same of measured rays alone; level 0 follows from ends and depth
+  std::uint16_t* four[kImageLevels];       ///< maxima over windows of 4x4 cells that begin there
+  std::uint16_t* two;                      ///< 2x2, of level 0
+  std::uint16_t* column_bound;             ///< nearest reading above and below a pixel without one
+  std::uint32_t* pyramid[kPyramidLevels];  ///< minimum | maximum << 16
+  // Hits
+  std::uint32_t* record_of_block;  ///< index + 1; 0 = none
+  std::uint32_t* hit_blocks;       ///< block of each record
+  std::uint32_t* hits;             ///< 512 per record: see hits.hpp. All ones between frames
+  // Rays
+  std::uint32_t* marks;         ///< weak and strong bits of each block of the box. Zero between frames
+  std::uint8_t* marked_blocks;  ///< 1 where a ray has marked
+  // Work
+  WorkItem* items;
+  std::uint32_t* changed;  ///< slots
+  // The map
+  MapState* state;
+  std::uint64_t* table_keys;  ///< key + 1; 0 = empty, kForgotten. Linear probing
+  std::uint32_t* table_slots;
+  GpuBlock* blocks;
+  std::uint8_t* planes;    ///< 512 stored bytes each
+  std::uint32_t* colours;  ///< R | G << 8 | B << 16, 64 to a brick
+  std::uint32_t* free_blocks;
+  std::uint32_t* free_planes;
+  std::uint32_t* free_bricks;
+  std::uint32_t* returned_blocks;
+  std::uint32_t* returned_planes;
+  std::uint32_t* returned_bricks;
+};
+
+/// What the sizes of all arrays follow from.
+struct MemorySizes {
+  std::uint32_t width_px;
+  std::uint32_t height_px;
+  std::uint32_t box_blocks;  ///< no frame's box has more
+  std::uint32_t walks_rays;  ///< 0: no marks are needed
+  std::uint32_t blocks;      ///< capacity of the map
+  std::uint32_t planes;
+  std::uint32_t bricks;
+};
+
+/// Slots of the hash table: at most half full.
+[[nodiscard]] constexpr std::uint32_t table_size(std::uint32_t blocks) {
+  std::uint32_t size = 32;
+  while (size < 2 * static_cast<std::uint64_t>(blocks) && size < 0x80000000U) size *= 2;
+  return size;
+}
+
+[[nodiscard]] constexpr MapState initial_state(const MemorySizes& s) {
+  return {{0, 0, 0, s.blocks}, {0, 0, 0, s.planes}, {0, 0, 0, s.bricks}, table_size(s.blocks) - 1, 0};
+}
+
+[[nodiscard]] constexpr ImageShape level_shape(std::uint32_t width_px, std::uint32_t height_px, int level) {
+  std::uint32_t w = width_px;
+  std::uint32_t h = height_px;
+  for (int l = 0; l < level; ++l) {
+    w = (w + 1) / 2;
+    h = (h + 1) / 2;
+  }
+  const std::uint32_t stride = (w + 2 * kPadding + 31) / 32 * 32;
+  return {static_cast<std::int32_t>(w), static_cast<std::int32_t>(h), static_cast<std::int32_t>(stride),
+          static_cast<std::int32_t>(h + 2 * kPadding)};
+}
+
+/// Every array begins at a multiple of this.
+inline constexpr std::size_t kAlign_bytes = 256;
+[[nodiscard]] constexpr std::size_t aligned(std::size_t bytes) {
+  return (bytes + kAlign_bytes - 1) / kAlign_bytes * kAlign_bytes;
+}
+
+/// Cuts memory from `base` on into the arrays of `m`; returns the number of bytes in all.
+template <typename Pointers>
+std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
+  std::uintptr_t next = base;
+  const auto take = [&next](auto*& array, std::size_t count) {
+    using Pointer = std::remove_reference_t<decltype(array)>;
+    array = reinterpret_cast<Pointer>(next);
+    next += aligned(count * sizeof(*array));
+  };
+  const std::size_t pixels = static_cast<std::size_t>(s.width_px) * s.height_px;
+  take(m.input, 1);
+  take(m.depth, pixels);
+  take(m.rgb, 3 * pixels);
+  take(m.column_slope, s.width_px);
+  take(m.row_slope, s.height_px);
+  take(m.mask, pixels);
+  for (int l = 0; l < kImageLevels; ++l) {
+    const ImageShape shape = level_shape(s.width_px, s.height_px, l);
+    const std::size_t cells = static_cast<std::size_t>(shape.stride) * static_cast<std::size_t>(shape.rows) + 64;
+    take(m.ends[l], cells);
+    take(m.strong[l], l > 0 ? cells : 0);
+    take(m.four[l], cells);
+    if (l == 0) take(m.two, cells);
+    const std::size_t bare = static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
+    if (l >= kBaseLevel) take(m.pyramid[l - kBaseLevel], bare);
+  }
+  take(m.column_bound, pixels);
+  const std::size_t records = pixels < s.box_blocks ? pixels : s.box_blocks;
+  take(m.record_of_block, s.box_blocks);
+  take(m.hit_blocks, records);
+  take(m.marks, s.walks_rays != 0 ? std::size_t{s.box_blocks} * 2 * kMarkWords : 0);
+  take(m.marked_blocks, s.walks_rays != 0 ? s.box_blocks : 0);
+  take(m.items, s.box_blocks);
+  take(m.changed, s.box_blocks);
+  take(m.state, 1);
+  take(m.table_keys, table_size(s.blocks));
+  take(m.table_slots, table_size(s.blocks));
+  take(m.blocks, s.blocks);
+  take(m.planes, std::size_t{s.planes} * kVoxels);
+  take(m.colours, std::size_t{s.bricks} * kBrickSize);
+  take(m.free_blocks, s.blocks);
+  take(m.free_planes, s.planes);
+  take(m.free_bricks, s.bricks);
+  take(m.returned_blocks, s.blocks);
+  take(m.returned_planes, s.planes);
+  take(m.returned_bricks, s.bricks);
+  take(m.hits, records * kVoxels);  // last: the only array that does not begin as zeros
+  return next - base;
+}
+
+/// From m.hits to the end: these bytes begin as 0xFF, all others as 0.
+[[nodiscard]] constexpr std::size_t hits_bytes(const MemorySizes& s) {
+  const std::size_t pixels = static_cast<std::size_t>(s.width_px) * s.height_px;
+  const std::size_t records = pixels < s.box_blocks ? pixels : s.box_blocks;
+  return records * kVoxels * sizeof(std::uint32_t);
+}
+
+}  // namespace g3d::mapper::cuda

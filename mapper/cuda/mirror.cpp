@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/mirror.hpp"
+
+#include <cstring>
+
+namespace g3d::mapper::cuda {
+
+static_assert(sizeof(ParcelPlane) == sizeof(LevelPlane) && sizeof(ParcelBrick) == sizeof(ColourBrick));
+static_assert(kBricks == kBricksPerBlock && kBrickSize == kBrickVoxels && kVoxels == kBlockVoxels && kNone == kNoSlot);
+
+std::uint32_t take_parcel(VoxelMap& map, const Parcels& parcels, std::uint32_t index, std::uint32_t frame_number) {
+  const ParcelHead& head = parcels.heads[index];
+  const std::uint32_t slot = map.find_or_insert(head.key);
+  if (slot == kNoSlot) return kNoSlot;
+  BlockHeader& header = map.header(slot);
+  header.sequence.fetch_add(1, std::memory_order_acq_rel);
+  bool complete = true;
+  if (head.plane == kNone) {
+    if (header.plane == kNoSlot) {
+      header.uniform_level = head.uniform_level;
+    } else {
+      map.plane(header.plane).fill(head.uniform_level);
+      (void)map.make_uniform_if_equal(header);
+    }
+  } else {
+    complete = map.make_dense(header);
+    if (complete) std::memcpy(map.plane(header.plane).data(), parcels.planes[head.plane].levels, kVoxels);
+  }
+  if (header.plane != kNoSlot) map.release_bricks_without_colour(header);
+  std::uint32_t next = head.first_brick;
+  for (int b = 0; b < kBricks && complete; ++b) {
+    if ((head.bricks >> b & 1) == 0) continue;
+    complete = map.make_brick(header, b);
+    if (complete) {
+      std::memcpy(map.brick(header.bricks[static_cast<std::size_t>(b)]).data(), parcels.bricks[next].rgb,
+                  sizeof(ColourBrick));
+    }
+    ++next;
+  }
+  header.changed_frame = frame_number;
+  header.sequence.fetch_add(1, std::memory_order_release);
+  return complete ? slot : kNoSlot;
+}
+
+void make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index) {
+  ParcelHead& head = parcels.heads[index];
+  head = {};
+  head.key = key;
+  head.plane = kNone;
+  head.first_brick = index * kBricks;
+  const std::uint32_t slot = map.find(key);
+  if (slot == kNoSlot) {
+    head.erase = 1;
+    return;
+  }
+  const BlockHeader& header = map.header(slot);
+  head.uniform_level = header.uniform_level;
+  if (header.plane != kNoSlot) {
+    head.plane = index;
+    std::memcpy(parcels.planes[index].levels, map.plane(header.plane).data(), kVoxels);
+  }
+  std::uint32_t next = head.first_brick;
+  for (int b = 0; b < kBricks; ++b) {
+    const std::uint32_t brick = header.bricks[static_cast<std::size_t>(b)];
+    if (brick == kNoSlot) continue;
+    head.bricks = static_cast<std::uint8_t>(head.bricks | 1U << b);
+    std::memcpy(parcels.bricks[next++].rgb, map.brick(brick).data(), sizeof(ColourBrick));
+  }
+}
+
+}  // namespace g3d::mapper::cuda

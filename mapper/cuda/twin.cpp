@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/twin.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "mapper/cuda/mirror.hpp"
+
+namespace g3d::mapper::cuda {
+namespace {
+
+constexpr int kKeyBits = 39;
+
+}  // namespace
+
+Twin::Twin(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask,
+           VoxelMap& mirror)
+    : builder_(config, sensor, scan_mask),
+      mirror_(mirror),
+      journal_(std::size_t{config.capacity.blocks} + 1),
+      changed_(sensor.max_box_blocks()),
+      kept_heads_(sensor.max_box_blocks()),
+      kept_planes_(sensor.max_box_blocks()),
+      kept_bricks_(sensor.max_box_blocks() * kBricks) {
+  mirror_.set_journal(&journal_);
+}
+
+Twin::~Twin() { mirror_.set_journal(nullptr); }
+
+void Twin::set_card(std::shared_ptr<Card> card) {
+  card_ = std::move(card);
+  card_is_empty_ = true;
+}
+
+bool Twin::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                     std::uint32_t frame_number, FrameReport& report) {
+  changed_count_ = 0;
+  if (!send_changes()) return false;
+  FrameInput& input = card_->input();
+  builder_.fill(geometry, with_colour, frame_number, input);
+  const std::size_t pixels = builder_.mask().size();
+  std::memcpy(card_->depth(), frame.depth.get(), pixels * sizeof(std::uint16_t));
+  if (with_colour) std::memcpy(card_->rgb(), frame.rgb.get(), 3 * pixels);
+  FrameCounters counters{};
+  if (!card_->run_frame(counters) || counters.refused_imports > 0) return false;
+  if (counters.changed > changed_.size()) return false;  // no healthy card says so
+  report.valid_pixels = counters.valid;
+  report.too_near_pixels = counters.too_near;
+  report.far_pixels = counters.far;
+  report.invalid_pixels = counters.invalid;
+  report.hit_blocks = counters.records;
+  report.refused_blocks = counters.refused;
+  if (counters.changed <= card_->room()) {
+    if (!are_sane(card_->parcels(), counters.changed)) return false;
+    take(card_->parcels(), counters.changed, frame_number, report);
+    return true;
+  }
+  kept_ = 0;
+  while (kept_ < counters.changed) {
+    if (kept_ > 0 && !card_->send_blocks(kept_)) return false;
+    const std::uint32_t next = std::min(card_->room(), counters.changed - kept_);
+    if (!are_sane(card_->parcels(), next)) return false;
+    keep(next);
+  }
+  take({kept_heads_.data(), kept_planes_.data(), kept_bricks_.data()}, kept_, frame_number, report);
+  return true;
+}
+
+bool Twin::are_sane(const Parcels& parcels, std::uint32_t count) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const ParcelHead& head = parcels.heads[i];
+    const bool placed = (head.plane == kNone || head.plane == i) && head.first_brick == i * kBricks;
+    if (!placed || head.key >> kKeyBits != 0 || head.uniform_level > kMaxLevel) return false;
+  }
+  return true;
+}
+
+void Twin::keep(std::uint32_t count) {
+  const Parcels& from = card_->parcels();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    ParcelHead& head = kept_heads_[kept_];
+    head = from.heads[i];
+    head.first_brick = kept_ * kBricks;
+    if (head.plane != kNone) {
+      head.plane = kept_;
+      kept_planes_[kept_] = from.planes[i];
+    }
+    const auto bricks = static_cast<std::size_t>(__builtin_popcount(head.bricks));
+    std::copy_n(from.bricks + std::size_t{i} * kBricks, bricks, &kept_bricks_[head.first_brick]);
+    ++kept_;
+  }
+}
+
+void Twin::take(const Parcels& parcels, std::uint32_t count, std::uint32_t frame_number, FrameReport& report) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t slot = take_parcel(mirror_, parcels, i, frame_number);
+    if (slot != kNoSlot) {
+      changed_[changed_count_++] = slot;
+    } else {
+      ++report.refused_blocks;
+      journal_.note(parcels.heads[i].key);  // the mirror has the last word
+    }
+  }
+}
+
+bool Twin::send_changes() {
+  if (card_is_empty_) {
+    card_is_empty_ = false;
+    journal_.clear();
+    ReservedArray<BlockKey>& keys = journal_.keys;
+    std::size_t count = 0;
+    for (std::uint32_t slot = 0; slot < mirror_.slot_end(); ++slot) {
+      if (mirror_.header(slot).key != VoxelMap::kNoKey) keys[count++] = mirror_.header(slot).key;
+    }
+    return send_keys({keys.data(), count});
+  }
+  if (journal_.everything) return false;  // only an empty card can start anew
+  const std::span<BlockKey> keys{journal_.keys.data(), journal_.count};
+  std::sort(keys.begin(), keys.end());
+  const auto end = std::unique(keys.begin(), keys.end());
+  const bool sent = send_keys(keys.first(static_cast<std::size_t>(end - keys.begin())));
+  journal_.clear();
+  return sent;
+}
+
+bool Twin::send_keys(std::span<const BlockKey> keys) {
+  while (!keys.empty()) {
+    const std::size_t count = std::min<std::size_t>(keys.size(), card_->room());
+    for (std::size_t i = 0; i < count; ++i) {
+      make_parcel(mirror_, keys[i], card_->parcels(), static_cast<std::uint32_t>(i));
+    }
+    if (!card_->import_blocks(static_cast<std::uint32_t>(count))) return false;
+    keys = keys.subspan(count);
+  }
+  return true;
+}
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The map in a card and its mirror, the host's VoxelMap, kept equal: what the host changes goes to the card before the
+// next frame, what a frame changes comes back before the mirror is shown. The mirror changes only when a frame is
+// wholly there, so that a card may be lost at any time and the CPU twin go on from the mirror, the frame in hand
+// included. Thread: mapper thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hal/messages.hpp"
+#include "mapper/cpu/frame_geometry.hpp"
+#include "mapper/cuda/card.hpp"
+#include "mapper/cuda/frame_builder.hpp"
+#include "mapper/mapper.hpp"
+#include "mapper/pool.hpp"
+#include "mapper/voxel_map.hpp"
+
+namespace g3d::mapper::cuda {
+
+class Twin {
+ public:
+  /// All references outlive this. The card's map is empty; what the mirror holds already is sent before the first
+  /// frame.
+  Twin(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask,
+       VoxelMap& mirror);
+  ~Twin();
+  Twin(const Twin&) = delete;
+  Twin& operator=(const Twin&) = delete;
+
+  [[nodiscard]] const FrameBuilder& builder() const { return builder_; }
+  /// From now on frames go there, to an empty map. nullptr: no longer.
+  void set_card(std::shared_ptr<Card> card);
+  [[nodiscard]] bool has_card() const { return card_ != nullptr; }
+
+  /// False: the card is lost, and the mirror is what it was before.
+  [[nodiscard]] bool integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                               std::uint32_t frame_number, FrameReport& report);
+  [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
+
+ private:
+  [[nodiscard]] bool send_changes();
+  [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
+  /// Whatever a helper writes, nothing is read or written beside its place.
+  [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
+  void keep(std::uint32_t count);
+  void take(const Parcels& parcels, std::uint32_t count, std::uint32_t frame_number, FrameReport& report);
+
+  FrameBuilder builder_;
+  VoxelMap& mirror_;
+  BlockJournal journal_;
+  std::shared_ptr<Card> card_;
+  bool card_is_empty_ = true;
+  std::vector<std::uint32_t> changed_;
+  std::size_t changed_count_ = 0;
+  // What came in several rounds, until the frame is wholly there
+  ReservedArray<ParcelHead> kept_heads_;
+  ReservedArray<ParcelPlane> kept_planes_;
+  ReservedArray<ParcelBrick> kept_bricks_;
+  std::uint32_t kept_ = 0;
+};
+
+}  // namespace g3d::mapper::cuda

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The helper process with a driver that has no card behind it: same map, and what happens when it dies or hangs.
+#include "mapper/cuda/helper_process.hpp"
+
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "mapper/cuda/carried.hpp"
+#include "mapper/cuda/twin.hpp"
+#include "mapper/map_hash.hpp"
+#include "tests/support/fake_card.hpp"
+#include "tests/support/test_frames.hpp"
+
+using namespace g3d;
+using namespace g3d::mapper;
+using cuda::HelperCommand;
+using cuda::HelperProcess;
+using cuda::HelperState;
+
+namespace {
+
+constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
+
+MapperConfig small_config() {
+  MapperConfig config;
+  config.resolution_m = 0.08F;
+  config.capacity = {1U << 13, 1U << 12, 1U << 13};
+  return config;
+}
+
+struct Rig {
+  explicit Rig(const hal::CameraModel& camera)
+      : sensor(camera, config.resolution_m, config.near_m, config.far_m),
+        map(Grid{config.resolution_m}, config.capacity),
+        twin(config, sensor, {}, map) {
+    std::string problem;
+    helper = HelperProcess::start({.program = cuda::carried_helper(),
+                                   .kernels = cuda::carried_kernels(),
+                                   .sizes = twin.builder().sizes(),
+                                   .room = 64,
+                                   .column_slope = sensor.column_slope,
+                                   .row_slope = sensor.row_slope,
+                                   .mask = twin.builder().mask(),
+                                   .patience_ns = 30 * kSecond_ns},  // the driver here is slow
+                                  problem);
+    REQUIRE(problem == "");
+    REQUIRE(helper != nullptr);
+  }
+  bool integrate(const hal::Frame& frame, const hal::Pose& pose, FrameReport& report) {
+    return twin.integrate(frame, *cpu::frame_geometry(sensor, hal::to_transform(pose)), true, ++frame_number, report);
+  }
+  MapperConfig config = small_config();
+  cpu::SensorGeometry sensor;
+  VoxelMap map;
+  cuda::Twin twin;
+  std::shared_ptr<HelperProcess> helper;
+  std::uint32_t frame_number = 0;
+};
+
+}  // namespace
+
+TEST_CASE("frames through the helper process give the CPU twin's map, with and without mapped memory") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const auto frames = test::random_frames(camera, 3, 40);
+  for (const bool can_map : {true, false}) {
+    const test::FakeCard card(test::FakeDriver::works);
+    if (!can_map) setenv("FAKE_CUDA_CANNOT_MAP", "1", 1);
+    Rig rig(camera);
+    REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+    CHECK(rig.helper->card_name() == "a card that is none");
+    rig.twin.set_card(rig.helper);
+    Mapper cpu_twin(small_config(), camera);
+    for (const auto& [frame, pose] : frames) {
+      FrameReport report;
+      REQUIRE(rig.integrate(frame, pose, report));
+      CHECK(report.valid_pixels == cpu_twin.integrate(frame, pose).valid_pixels);
+      REQUIRE(map_hash(rig.map) == map_hash(cpu_twin.map()));
+      REQUIRE(rig.map.erase_block(rig.map.sorted_keys()[0]));
+      REQUIRE(cpu_twin.map().erase_block(cpu_twin.map().sorted_keys()[0]));
+    }
+  }
+}
+
+TEST_CASE("measuring commands give the same map") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const test::FakeCard card(test::FakeDriver::works);
+  Rig rig(camera);
+  REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+  rig.twin.set_card(rig.helper);
+  Mapper cpu_twin(small_config(), camera);
+  for (const auto& [frame, pose] : test::random_frames(camera, 2, 41)) {
+    rig.helper->set_frame_command(rig.frame_number == 0 ? HelperCommand::run_frame_timed
+                                                        : HelperCommand::run_stages_timed);
+    FrameReport report;
+    REQUIRE(rig.integrate(frame, pose, report));
+    (void)cpu_twin.integrate(frame, pose);
+    CHECK(map_hash(rig.map) == map_hash(cpu_twin.map()));
+  }
+}
+
+TEST_CASE("a helper that is killed is noticed at once, before and during a command") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const test::FakeCard card(test::FakeDriver::works);
+  hal::RealClock clock;
+  {
+    Rig rig(camera);
+    REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+    REQUIRE(kill(rig.helper->pid(), SIGKILL) == 0);
+    const hal::TimeNs start_ns = clock.now();
+    CHECK_FALSE(rig.helper->ask(HelperCommand::send_blocks, 0, 20 * kSecond_ns));
+    CHECK(clock.now() - start_ns < 10 * kSecond_ns);
+    CHECK(rig.helper->state() == HelperState::failed);
+    CHECK(rig.helper->problem() == "the helper process ended");
+    CHECK_FALSE(rig.helper->ask(HelperCommand::send_blocks, 0, 20 * kSecond_ns));
+  }
+  Rig rig(camera);
+  REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+  REQUIRE(kill(rig.helper->pid(), SIGSTOP) == 0);  // a driver that hangs
+  CHECK_FALSE(rig.helper->ask(HelperCommand::send_blocks, 0, kSecond_ns / 10));
+  CHECK(rig.helper->problem() == "the helper process does not answer");
+}
+
+TEST_CASE("a helper that hangs is given up after the time allowed") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const test::FakeCard card(test::FakeDriver::works);
+  Rig rig(camera);
+  REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+  CHECK_FALSE(rig.helper->ask(HelperCommand::hang, 0, kSecond_ns / 20));
+  const pid_t pid = rig.helper->pid();
+  rig.helper.reset();
+  CHECK(kill(pid, 0) != 0);  // it is gone, and has been waited for
+}
+
+TEST_CASE("a build without kernels says so") {
+  std::string problem;
+  CHECK(HelperProcess::start({}, problem) == nullptr);
+  CHECK(problem.find("clang") != std::string::npos);
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/cuda/mirror.hpp"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "mapper/map_hash.hpp"
+#include "tests/support/sample_maps.hpp"
+
+using namespace g3d;
+using namespace g3d::mapper;
+using namespace g3d::mapper::cuda;
+
+namespace {
+
+constexpr std::uint32_t kRoom = 8;
+
+struct ParcelMemory {
+  std::vector<ParcelHead> heads{kRoom};
+  std::vector<ParcelPlane> planes{kRoom};
+  std::vector<ParcelBrick> bricks{std::size_t{kRoom} * kBricks};
+  Parcels parcels{heads.data(), planes.data(), bricks.data()};
+};
+
+/// A block of any form: wholly unknown, uniform, dense, with colours in some bricks.
+BlockValues random_block(tests::Random& random) {
+  BlockValues values;
+  const std::uint32_t form = random.below(4);
+  const Rgbo level = random.below(16);
+  values.fill(form == 0 ? kUnknownRgbo : level);
+  for (std::size_t i = 0; i < values.size() && form >= 2; ++i) {
+    if (random.below(3) == 0) values[i] = random.below(33);
+    const bool coloured = form == 3 && i / kBrickVoxels % 3 == 0 && random.below(4) == 0;
+    if (coloured) values[i] = make_rgbo(static_cast<std::uint8_t>(random.below(256)), 7, 9, 20) | kHasColourBit;
+  }
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("blocks of every form pass from one map to another by parcel, over whatever was there") {
+  const MapCapacity capacity{64, 32, 128};
+  VoxelMap from(Grid{0.05F}, capacity);
+  VoxelMap to(Grid{0.05F}, capacity);
+  ParcelMemory memory;
+  tests::Random random(3);
+  for (int round = 0; round < 300; ++round) {
+    const BlockKey key = random.below(12);
+    REQUIRE(from.write_block(key, random_block(random)));
+    const std::uint32_t index = random.below(kRoom);
+    make_parcel(from, key, memory.parcels, index);
+    const std::uint32_t slot = take_parcel(to, memory.parcels, index, 5);
+    REQUIRE(slot == to.find(key));
+    CHECK(to.header(slot).changed_frame == 5);
+    REQUIRE(map_hash(to) == map_hash(from));
+    CHECK(to.memory().used_bytes == from.memory().used_bytes);
+  }
+}
+
+TEST_CASE("a block that is not in the map is a parcel that erases") {
+  VoxelMap map(Grid{0.05F}, {16, 16, 16});
+  ParcelMemory memory;
+  make_parcel(map, 77, memory.parcels, 2);
+  CHECK(memory.heads[2].key == 77);
+  CHECK(memory.heads[2].erase == 1);
+}
+
+TEST_CASE("a full map refuses a parcel and says so") {
+  VoxelMap from(Grid{0.05F}, {16, 16, 16});
+  VoxelMap to(Grid{0.05F}, {1, 0, 0});
+  ParcelMemory memory;
+  BlockValues values;
+  values.fill(3);
+  REQUIRE(from.write_block(1, values));
+  values[7] = 30;
+  REQUIRE(from.write_block(2, values));
+  make_parcel(from, 2, memory.parcels, 0);
+  CHECK(take_parcel(to, memory.parcels, 0, 1) == kNoSlot);  // no plane left
+  make_parcel(from, 1, memory.parcels, 0);
+  CHECK(take_parcel(to, memory.parcels, 0, 1) == kNoSlot);  // no block left: the one above took it
+}
