@@ -84,7 +84,7 @@ void Navigator::command(MissionEvent event) {
   if (event == E::come_home || event == E::battery_low) {
     is_sent_home_ = true;
     closed_way_.end();
-    chooser_->return_home();
+    chooser_->return_home(event == E::battery_low);
     next_decision_ns_ = 0;
   } else if (event == E::resume) {
     standby_.forget_retries();

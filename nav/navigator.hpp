@@ -81,6 +81,8 @@ class Navigator {
                 TimeNs now);
   /// After every feedback packet. The first pose is home.
   void on_base(const BaseView& view, TimeNs now);
+  /// What the safety table says while no packet comes: a robot that may not move has not got stuck.
+  void on_verdict(const hal::Verdict& verdict) { base_.verdict = verdict; }
   /// 20 to 50 times a second: the velocity to command.
   [[nodiscard]] hal::Twist step(TimeNs now);
   /// A person's word: pause, resume, stop, come_home; and battery_low. Others are the navigator's own: ignored.

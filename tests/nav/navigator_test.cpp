@@ -110,7 +110,7 @@ class ListChooser final : public nav::GoalChooser {
   void set_home(const hal::PlanarPose& home) override { home_ = home; }
   void set_energy_left(double) override {}
   void start_again() override {}
-  void return_home() override { next_ = goals_.size(); }
+  void return_home(bool) override { next_ = goals_.size(); }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
  private:
