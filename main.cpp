@@ -35,6 +35,14 @@ Examples:
 
 The first Ctrl-C stops the robot and saves the map, the second one ends the program at once; the base stands either way.)";
 
+constexpr const char* kTellExamples = R"(
+Examples:
+  g3dmap tell out pause                                    the robot whose --out is `out` stands, until resume
+  g3dmap tell out status                                   one JSON object: state, coverage, way, battery, safety
+
+pause, resume and stop take effect at once; stop outranks pause. home ends exploring and sends it home, or does so once
+it is resumed. PATH is the folder of --out, or what --control named. Only the user who started the robot may speak to it.)";
+
 constexpr const char* kExportExamples = R"(
 Examples:
   g3dmap export out/map.g3d --to map.ply                   points with colours
@@ -61,6 +69,27 @@ Example:
 
 LOG is a recording of a plain wall that fills the view.)";
 
+void add_staging_options(CLI::App& command, StagingOptions& staging) {
+  command.add_option("--control", staging.control, "Socket for `g3dmap tell`; default: control in the folder of --out");
+  command.add_option("--at", staging.at, "SECONDS:WORD, such as 20:pause; may be given several times")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--fail", staging.fail,
+                  "What goes wrong: PART:KIND@FROM+SECONDS, such as camera:stuck@20+5; PART camera, odometry, line or "
+                  "disk, KIND off, stuck, garbage, wrong, slow, delayed or intermittent")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--battery", staging.battery_min, "The simulated battery is empty after so many minutes")
+      ->check(CLI::Range(0.1, 10000.0));
+}
+
+void add_patience(CLI::App& command, MappingOptions& options) {
+  command.add_option("--patience", options.patience_s, "Try files that the disk refuses again for so many seconds")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+}
+
 void add_mapper_option(CLI::App& command, MappingOptions& options) {
   command.add_option("--mapper", options.mapper, "Where the map is computed; auto: by an NVIDIA card if there is one")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
@@ -82,6 +111,8 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   command.add_option("--drift", live.drift, "How wrong the simulated odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   command.add_option("--area", live.area, "Explore only X0,Y0,X1,Y1 in metres");
+  add_staging_options(command, live.staging);
+  add_patience(command, options);
   command.add_flag("--record", live.record, "Write what the base says to kobuki.bin in the folder of --out");
   command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
   command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
@@ -175,12 +206,21 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_option("--crop", sim.crop,
                           "Take only X0,Y0,X1,Y1 of a map_server map, in metres of the map; the cut is a wall");
   sim_command->add_flag("--no-noise", sim.no_noise, "A perfect sensor");
+  add_staging_options(*sim_command, sim.staging);
+  add_patience(*sim_command, sim.mapping);
   add_mapping_options(*sim_command, sim.mapping);
 
   LiveOptions live;
   CLI::App* run_command =
       add_command(app, "run", "Let the board's robot explore where it stands, in real time", kRunExamples);
   add_live_options(*run_command, live);
+
+  TellOptions tell;
+  CLI::App* tell_command = add_command(app, "tell", "Speak to a robot that runs", kTellExamples);
+  tell_command->add_option("PATH", tell.path, "Its folder, or its socket")->required();
+  tell_command->add_option("WORD", tell.word, "What to say")
+      ->required()
+      ->check(CLI::IsMember({"pause", "resume", "stop", "home", "status"}));
 
   ExportOptions exported;
   CLI::App* export_command = add_command(app, "export", "Write a map in other formats", kExportExamples);
@@ -214,6 +254,7 @@ int parse_and_run(int argc, char** argv) {
   if (*sim_command)
     return sim.robots > 0 ? run_explore(sim, command_line(argc, argv)) : run_sim(sim, command_line(argc, argv));
   if (*run_command) return run_live(live, command_line(argc, argv));
+  if (*tell_command) return run_tell(tell);
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);

@@ -27,12 +27,21 @@ struct MappingOptions {
   std::optional<double> window_m;  ///< what is farther from the camera is paged out; 0: nothing
   std::string footprint;           ///< "RADIUS,HEIGHT" in metres, or "board"; empty: nothing is taken as free
   double checkpoint_s = 0.0;       ///< save map.g3d this often while mapping; 0: at the end only
+  double patience_s = 30.0;        ///< a robot's files that the disk refuses are tried again for so long
   std::string mapper = "auto";
   std::uint64_t seed = 1;
   double rate = 0.0;  ///< 0: lockstep
   bool no_colour = false;
   bool quiet = false;
   bool json = false;
+};
+
+/// What happens to a robot while it runs.
+struct StagingOptions {
+  std::string control;            ///< socket for people's words; empty: "control" in the folder of --out
+  std::vector<std::string> at;    ///< "SECONDS:WORD": words that a script says
+  std::vector<std::string> fail;  ///< "PART:KIND@FROM+SECONDS": what goes wrong
+  double battery_min = 0.0;       ///< a simulated battery is empty after so many minutes; 0: as a Kobuki's
 };
 
 struct ReplayOptions {
@@ -49,6 +58,7 @@ struct SimOptions {
   double duration_s = 0.0;              ///< 0: to the end of the path
   std::optional<double> frame_rate_hz;  ///< none: the board camera's
   bool no_noise = false;
+  StagingOptions staging;
   int robots = 0;      ///< above 0: they drive themselves, and there is no camera path
   std::string camera;  ///< "WxH@HZ" of the robots' cameras; empty: the board's
   double drift = 0.0;  ///< how wrong odometry is; 1 is a typical base
@@ -65,6 +75,12 @@ struct LiveOptions {
   double drift = 0.0;           ///< how wrong the simulated base's odometry is
   bool no_noise = false;
   bool record = false;  ///< the base's bytes into kobuki.bin
+  StagingOptions staging;
+};
+
+struct TellOptions {
+  std::string path;  ///< the robot's folder, or its socket
+  std::string word;
 };
 
 struct ExportOptions {
@@ -94,6 +110,7 @@ int run_sim(const SimOptions& options, const std::string& command_line);
 int run_explore(const SimOptions& options, const std::string& command_line);
 /// `run`.
 int run_live(const LiveOptions& options, const std::string& command_line);
+int run_tell(const TellOptions& options);
 int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);

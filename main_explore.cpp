@@ -11,13 +11,14 @@
 #include <utility>
 
 #include "hal/clock.hpp"
-#include "hal/image/file_bytes.hpp"
 #include "hal/replay/trajectory_file.hpp"
+#include "hal/sim/disk_faults.hpp"
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/observable.hpp"
 #include "hal/sim/sim_building.hpp"
 #include "main_commands.hpp"
 #include "main_robot.hpp"
+#include "main_save.hpp"
 #include "main_setup.hpp"
 #include "mapper/block_source.hpp"
 #include "mapper/map_hash.hpp"
@@ -83,12 +84,13 @@ std::string contradiction(const SimOptions& options) {
 /// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
 class Exploration {
  public:
-  Exploration(hal::SimBuilding& building, nav::Robot& robot, nav::CoverageMeter& coverage,
-              hal::TrajectoryWriter& trajectory, double rate_hz, double limit_s, double pace)
+  Exploration(hal::SimBuilding& building, nav::Robot& robot, nav::CoverageMeter& coverage, nav::Hotline& hotline,
+              const std::vector<nav::TimedWord>& words, double rate_hz, double limit_s, double pace)
       : building_(building),
         robot_(robot),
         coverage_(coverage),
-        trajectory_(trajectory),
+        hotline_(hotline),
+        words_(words),
         frame_period_ns_(static_cast<hal::TimeNs>(1e9 / rate_hz)),
         limit_ns_(static_cast<hal::TimeNs>(limit_s * 1e9)),
         pace_(pace),
@@ -103,6 +105,7 @@ class Exploration {
       }
       building_.advance_to(now_ns_);
       if (now_ns_ == next_line_ns_) {
+        hear();
         robot_.on_line(building_.line(0), now_ns_);
         next_line_ns_ += hal::kobuki::kPacketPeriod_ns;
       }
@@ -117,22 +120,36 @@ class Exploration {
   }
 
   [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
-  [[nodiscard]] const std::vector<hal::Pose>& poses() const { return poses_; }
-  [[nodiscard]] const hal::Result<void>& first_failure() const { return failure_; }
+  /// Of the integrated frames.
+  [[nodiscard]] const std::vector<hal::StampedPose>& way() const { return way_; }
 
  private:
   void take_frame() {
     building_.render(0, frame_);
     frame_.stamp_ns = now_ns_;
     const std::uint64_t before = robot_.frames().integrated;
-    robot_.on_frame(frame_, now_ns_);
-    if (robot_.frames().integrated != before) {
-      const auto written = trajectory_.append({now_ns_, *robot_.last_frame_pose()});
-      if (!written && failure_.ok()) failure_ = written;
-      poses_.push_back(*robot_.last_frame_pose());
-    }
+    if (building_.pass_on(0, frame_, now_ns_)) robot_.on_frame(frame_, now_ns_);
+    if (robot_.frames().integrated != before) way_.push_back({frame_.stamp_ns, *robot_.last_frame_pose()});
     ++frames_;
     next_frame_ns_ = static_cast<hal::TimeNs>(frames_) * frame_period_ns_ / kStep_ns * kStep_ns;
+  }
+
+  /// People's words, and a script's.
+  void hear() {
+    for (; next_word_ < words_.size() && words_[next_word_].at_ns <= now_ns_; ++next_word_) {
+      (void)hotline_.say(words_[next_word_].word);
+    }
+    bool is_news = now_ns_ >= next_status_ns_;
+    while (const auto word = hotline_.take()) {
+      if (const auto event = nav::event_of(*word)) robot_.navigator().command(*event);
+      if (*word == nav::PersonWord::resume) (void)robot_.driver().resume();
+      is_news = true;
+    }
+    if (!is_news) return;
+    nav::LiveStatus status = robot_.status(now_ns_);
+    status.coverage = fraction_;
+    hotline_.publish(status);
+    next_status_ns_ = now_ns_ + kStatus_ns;
   }
 
   void sample() {
@@ -149,11 +166,15 @@ class Exploration {
                nav::name_of(robot_.navigator().mission().state()));
   }
 
+  static constexpr hal::TimeNs kStatus_ns = 200'000'000;
   static inline const hal::TimeNs kStep_ns = hal::SimBuildingOptions{}.step_ns;
   hal::SimBuilding& building_;
   nav::Robot& robot_;
   nav::CoverageMeter& coverage_;
-  hal::TrajectoryWriter& trajectory_;
+  nav::Hotline& hotline_;
+  const std::vector<nav::TimedWord>& words_;
+  std::size_t next_word_ = 0;
+  hal::TimeNs next_status_ns_ = 0;
   hal::RealClock real_;
   hal::TimeNs frame_period_ns_;
   hal::TimeNs limit_ns_;
@@ -165,8 +186,7 @@ class Exploration {
   hal::TimeNs next_sample_ns_ = 0;
   std::uint64_t frames_ = 0;
   double fraction_ = 0.0;
-  std::vector<hal::Pose> poses_;
-  hal::Result<void> failure_;
+  std::vector<hal::StampedPose> way_;
 };
 
 }  // namespace
@@ -190,18 +210,12 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto observable = hal::find_observable(world.value(), starts.value());
   if (!observable) return fail(observable.error().text);
 
+  const auto staging = read_staging(options.staging);
+  if (!staging) return bad_usage(staging.error().text);
   nav::RobotConfig config = robot_config(board, mapping, camera.value().model, starts.value()[0]);
   if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
   if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
-  std::error_code code;
-  std::filesystem::create_directories(mapping.out_dir, code);
-  if (code) {
-    return fail(
-        fmt::format("{}: cannot create this folder: {}; choose another --out", mapping.out_dir, code.message()));
-  }
-  const std::string trajectory_path = mapping.out_dir + "/trajectory.tum";
-  auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
-  if (!trajectory) return fail(trajectory.error().text);
+  if (const auto folder = open_folder(mapping.out_dir); !folder) return fail(folder.error().text);
 
   hal::SimBuildingOptions building_options;
   building_options.camera = config.camera;
@@ -213,29 +227,34 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   robot_options.T_base_camera = config.T_base_camera;
   robot_options.base.seed = mapping.seed;
   hal::add_drift(robot_options, options.drift, mapping.seed);
+  set_battery(robot_options.base, options.staging);
   building_options.robots = {robot_options};
+  building_options.faults = staging.value().faults;
   hal::SimBuilding building(std::move(world).value(), building_options);
   hal::RealClock clock;
   nav::Robot robot(config, clock);
   if (const auto missing = missing_card(robot.mapper(), mapping)) return fail(*missing);
   nav::CoverageMeter coverage(observable.value());
   catch_stop_signals();
+  nav::Hotline hotline;
+  std::unique_ptr<hal::ControlSocket> control;
+  if (mapping.rate > 0.0 || !options.staging.control.empty()) {  // else it is over before anybody has said a word
+    auto opened = open_control(options.staging, mapping.out_dir, hotline);
+    if (!opened) return fail(opened.error().text);
+    control = std::move(opened).value();
+  }
   const double limit_s = options.duration_s > 0.0 ? options.duration_s : kLongest_s;
   const double rate_hz = options.frame_rate_hz.value_or(camera.value().rate_hz);
-  Exploration exploration(building, robot, coverage, trajectory.value(), rate_hz, limit_s, mapping.rate);
+  Exploration exploration(building, robot, coverage, hotline, staging.value().words, rate_hz, limit_s, mapping.rate);
   const hal::TimeNs start_ns = clock.now();
+  // A disk's faults go by simulated time, and by the real one while what was mapped is saved.
+  hal::TimeNs end_ns = 0;
+  const auto disk_time = [&] { return exploration.now_ns() + (end_ns > 0 ? clock.now() - end_ns : 0); };
+  hal::DiskFaults bad_disk(staging.value().faults, disk_time);
+  const hal::DiskInstead disk_instead(bad_disk);
   exploration.run(!mapping.quiet);
+  end_ns = clock.now();
   const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
-
-  std::vector<hal::Error> failures;
-  if (!exploration.first_failure().ok()) failures.push_back(exploration.first_failure().error());
-  if (const auto committed = trajectory.value().commit(); !committed) failures.push_back(committed.error());
-  nav::OutputOptions output_options;
-  output_options.trajectory = exploration.poses();
-  output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
-  output_options.meta.steps = config.mapper.steps;
-  nav::Outputs outputs = nav::write_outputs(robot.mapper().map(), output_options, mapping.out_dir);
-  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
 
   const nav::Mission& mission = robot.navigator().mission();
   nav::ExplorationReport explored;
@@ -245,11 +264,20 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   explored.state = nav::name_of(mission.state());
   explored.outside = nav::outside_view(building.record(0));
   explored.safety_stops = safety_stops(robot.base());
-  const auto drawn =
-      write_picture(explored, robot.navigator(), exploration.poses(), std::filesystem::path(world_name).stem().string(),
-                    mapping.out_dir + "/exploration.png");
-  if (drawn) outputs.files.push_back(drawn.value());
-  if (!drawn) failures.push_back(drawn.error());
+  const std::vector<hal::Pose> poses = poses_of(exploration.way());
+  RunFiles files;
+  files.folder = mapping.out_dir;
+  files.patience_s = mapping.patience_s;
+  files.way = exploration.way();
+  files.map = &robot.mapper().map();
+  files.options.trajectory = poses;
+  files.options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
+  files.options.meta.steps = config.mapper.steps;
+  files.draw = [&](const std::string& path) {
+    return write_picture(explored, robot.navigator(), poses, std::filesystem::path(world_name).stem().string(), path);
+  };
+  files.is_given_up = [was = stop_requested.load()] { return !was && stop_requested.load(); };
+  nav::Outputs outputs = save_run(files);
   mapper::RunReport report;
   report.frames = robot.frames();
   report.stages = {{"integrate", robot.integrate_times()}, {"navigate", robot.navigate_times()}};
@@ -267,26 +295,27 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   report.seed = mapping.seed;
   report.threads = board.map_threads;
   report.board = board.name;
-  report.write_more = [&](mapper::JsonWriter& json) { nav::write_exploration(json, explored); };
+  const hal::ControlCounts control_counts = control != nullptr ? control->counts() : hal::ControlCounts{};
+  control.reset();
+  report.write_more = [&](mapper::JsonWriter& json) {
+    nav::write_exploration(json, explored);
+    write_control(json, hotline, control_counts);
+  };
   if (stop_requested.load()) report.notes.emplace_back("interrupted: what was mapped until then is saved");
   if (robot.pool_full_frames() > 0) {
     report.notes.push_back(fmt::format("the map's memory was full for {} frames and took no new blocks; raise --memory",
                                        robot.pool_full_frames()));
   }
+  if (outputs.late_files > 0) report.notes.push_back(late_files_note(outputs.late_files));
   const std::string json = to_json(report);
-  const std::string report_path = mapping.out_dir + "/report.json";
-  if (const auto written = hal::write_file_atomic(report_path, json); !written) {
-    failures.push_back(written.error());
-  } else {
-    outputs.files.push_back({report_path, "what happened", json.size()});
-  }
+  save_report(files, json, outputs);
   if (mapping.json) {
     fmt::print("{}", json);
   } else if (!mapping.quiet) {
     fmt::print("{}{}", nav::exploration_text(explored), summary_text(report, run_s, outputs.files));
   }
-  for (const hal::Error& failure : failures) (void)fail(failure.text);
-  return failures.empty() ? kExitDone : kExitFailed;
+  for (const hal::Error& failure : outputs.failures) (void)fail(failure.text);
+  return outputs.failures.empty() ? kExitDone : kExitFailed;
 }
 
 }  // namespace g3d

@@ -3,14 +3,15 @@
 // of a building that is simulated in this process; everything on this side of the line is the same.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
 
-#include "hal/image/file_bytes.hpp"
 #include "main_commands.hpp"
 #include "main_live_run.hpp"
 #include "main_robot.hpp"
+#include "main_save.hpp"
 #include "main_setup.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/report.hpp"
@@ -42,6 +43,10 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   }
   if (!in_simulation && !options.camera.empty())
     return "--camera is for a simulated one; set [camera] in the board file";
+  const bool fails_in_simulation = std::any_of(options.staging.fail.begin(), options.staging.fail.end(),
+                                               [](const std::string& fault) { return !fault.starts_with("disk:"); });
+  if (!in_simulation && fails_in_simulation) return "--fail: only the disk of a real robot can be made to fail";
+  if (!in_simulation && options.staging.battery_min > 0.0) return "--battery is for a simulated base";
   if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
   if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
   return std::nullopt;
@@ -101,18 +106,15 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
   if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
   if (!mapping.out_dir.empty()) {
-    std::error_code code;
-    std::filesystem::create_directories(mapping.out_dir, code);
-    if (code) return fail(fmt::format("{}: cannot create this folder: {}", mapping.out_dir, code.message()));
+    if (const auto folder = open_folder(mapping.out_dir); !folder) return fail(folder.error().text);
   }
 
-  LiveRun live(board, options, config);
+  const auto staging = read_staging(options.staging);
+  if (!staging) return bad_usage(staging.error().text);
+  LiveRun live(board, options, config, staging.value());
   if (const auto begun = live.begin(std::move(place), camera.value().rate_hz); !begun) return fail(begun.error().text);
   live.run(!mapping.quiet);
 
-  std::vector<hal::Error> failures;
-  live.finish_files(failures);
-  mapper::RunReport report = make_report(live, board, options, command_line);
   const nav::Navigator& navigator = live.robot().navigator();
   nav::ExplorationReport explored;
   explored.mission = &navigator.report();
@@ -121,38 +123,44 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   explored.state = nav::name_of(navigator.mission().state());
   explored.outside = live.outside();
   explored.safety_stops = safety_stops(live.base().state);
+  nav::Outputs outputs;
+  RunFiles files;
+  const std::vector<hal::Pose> poses = poses_of(live.way());
+  if (!mapping.out_dir.empty()) {
+    files.folder = mapping.out_dir;
+    files.patience_s = mapping.patience_s;
+    files.way = live.way();
+    files.map = &live.robot().mapper().map();
+    files.options.trajectory = poses;
+    files.options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
+    files.options.meta.steps = config.mapper.steps;
+    const std::string place_name =
+        board.base_line == "sim" ? std::filesystem::path(options.world).stem().string() : board.name;
+    files.draw = [&, place_name](const std::string& path) {
+      return write_picture(explored, navigator, poses, place_name, path);
+    };
+    files.finish_recording = [&live] { return live.finish_recording(); };
+    files.is_given_up = [&live, was = live.was_interrupted()] { return !was && live.was_interrupted(); };
+    outputs = save_run(files);
+  }
+  mapper::RunReport report = make_report(live, board, options, command_line);
   report.write_more = [&](mapper::JsonWriter& json) {
     nav::write_exploration(json, explored);
     write_base(json, live.base());
+    live.write_control(json);
+    write_cpu(json, live.thread_times(), live.run_s());
   };
-  nav::Outputs outputs;
-  std::string json;
-  if (!mapping.out_dir.empty()) {
-    nav::OutputOptions output_options;
-    output_options.trajectory = live.poses();
-    output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
-    output_options.meta.steps = config.mapper.steps;
-    outputs = nav::write_outputs(live.robot().mapper().map(), output_options, mapping.out_dir);
-    failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
-    report.file_bytes = outputs.map_file_bytes;
-    const std::string place_name =
-        board.base_line == "sim" ? std::filesystem::path(options.world).stem().string() : board.name;
-    const auto drawn =
-        write_picture(explored, navigator, live.poses(), place_name, mapping.out_dir + "/exploration.png");
-    if (drawn) outputs.files.push_back(drawn.value());
-    if (!drawn) failures.push_back(drawn.error());
-    json = to_json(report);
-    const std::string path = mapping.out_dir + "/report.json";
-    if (const auto written = hal::write_file_atomic(path, json); !written) failures.push_back(written.error());
-    outputs.files.push_back({path, "what happened", json.size()});
-  }
+  report.file_bytes = outputs.map_file_bytes;
+  if (outputs.late_files > 0) report.notes.push_back(late_files_note(outputs.late_files));
+  const std::string json = to_json(report);
+  if (!mapping.out_dir.empty()) save_report(files, json, outputs);
   if (mapping.json) {
-    fmt::print("{}", json.empty() ? to_json(report) : json);
+    fmt::print("{}", json);
   } else if (!mapping.quiet) {
     fmt::print("{}{}", nav::exploration_text(explored), summary_text(report, live.run_s(), outputs.files));
   }
-  for (const hal::Error& failure : failures) (void)fail(failure.text);
-  return failures.empty() ? kExitDone : kExitFailed;
+  for (const hal::Error& failure : outputs.failures) (void)fail(failure.text);
+  return outputs.failures.empty() ? kExitDone : kExitFailed;
 }
 
 }  // namespace g3d

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <utility>
 
+#include "hal/linux/cpu_time.hpp"
 #include "hal/linux/usb_serial.hpp"
 #include "hal/sim/load_world.hpp"
 #include "main_setup.hpp"
@@ -37,7 +38,8 @@ void catch_stop_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
-hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::RobotConfig& config) {
+hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::RobotConfig& config,
+                                         const hal::FaultPlan& faults) {
   hal::SimBuildingOptions building;
   building.camera = config.camera;
   building.noise = !options.no_noise;
@@ -48,7 +50,9 @@ hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::
   robot.T_base_camera = config.T_base_camera;
   robot.base.seed = options.mapping.seed;
   hal::add_drift(robot, options.drift, options.mapping.seed);
+  set_battery(robot.base, options.staging);
   building.robots = {robot};
+  building.faults = faults;
   return building;
 }
 
@@ -64,10 +68,12 @@ hal::Result<Place> choose_place(const LiveOptions& options) {
   return Place{std::move(world).value(), starts.value()[0], std::move(observable).value()};
 }
 
-LiveRun::LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config)
+LiveRun::LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config,
+                 const Staging& staging)
     : board_(board),
       options_(options),
       config_(config),
+      staging_(staging),
       port_({[this] { return find_port(); },
              [this](int fd) {
                if (guard_) (void)guard_->hand_over(fd);
@@ -80,16 +86,22 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz) {
   auto guard = hal::kobuki::LineGuard::start(-1);
   if (!guard) return guard.error();
   guard_.emplace(std::move(guard).value());
+  begin_ns_ = clock_.now();
+  if (hal::has_fault_of(staging_.faults, hal::FaultPart::disk)) {
+    bad_disk_.emplace(staging_.faults, [this] { return clock_.now() - begin_ns_; });
+    disk_instead_.emplace(*bad_disk_);
+  }
   if (place) {
     observable_ = std::move(place->observable);
     meter_.emplace(observable_);
-    auto building = hal::RealTimeBuilding::start(std::move(place->world), building_options(options_, config_), clock_);
+    auto building = hal::RealTimeBuilding::start(std::move(place->world),
+                                                 building_options(options_, config_, staging_.faults), clock_);
     if (!building) return building.error();
     building_ = std::move(building).value();
     sim_camera_ = std::make_unique<hal::RealTimeBuilding::Camera>(*building_, 0, rate_hz);
   }
   if (auto opened = port_.open(); !opened) return opened;
-  if (auto files = begin_files(); !files) return files;
+  if (auto recording = begin_recording(); !recording) return recording;
   nav::RobotParts parts{port_, camera(), clock_, [this] { end_camera(); }, &*guard_, recorder_.get(), {}};
   if (meter_) parts.coverage = [this](const nav::GroundMap& ground) { return meter_->fraction(ground.states()); };
   nav::RobotThreadsConfig threads;
@@ -98,20 +110,17 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz) {
   if (const auto missing = missing_card(robot_->mapper(), options_.mapping)) {
     return hal::Error{hal::Reason::unsupported, *missing};
   }
+  auto control = open_control(options_.staging, options_.mapping.out_dir, robot_->hotline());
+  if (!control) return control.error();
+  control_ = std::move(control).value();
   return {};
 }
 
-hal::Result<void> LiveRun::begin_files() {
-  const std::string& folder = options_.mapping.out_dir;
-  if (folder.empty()) return {};
-  if (options_.record) {
-    auto recorder = hal::kobuki::LineRecorder::create(folder + "/kobuki.bin");
-    if (!recorder) return recorder.error();
-    recorder_ = std::move(recorder).value();
-  }
-  auto trajectory = hal::TrajectoryWriter::create(folder + "/trajectory.tum");
-  if (!trajectory) return trajectory.error();
-  trajectory_.emplace(std::move(trajectory).value());
+hal::Result<void> LiveRun::begin_recording() {
+  if (!options_.record) return {};
+  auto recorder = hal::kobuki::LineRecorder::create(options_.mapping.out_dir + "/kobuki.bin");
+  if (!recorder) return recorder.error();
+  recorder_ = std::move(recorder).value();
   return {};
 }
 
@@ -125,7 +134,8 @@ void LiveRun::run(bool show_progress) {
   nav::LiveStatus status;
   while (!stop_requested.load() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
     clock_.sleep_until(std::min(end_ns, clock_.now() + kLook_ns));
-    save_poses();
+    take_poses();
+    say_words(clock_.now() - start_ns);
     if (robot_->status().read(status) != 0 && status.state == nav::MissionState::home) break;
     if (show_progress && clock_.now() >= next_show_ns) {
       next_show_ns = clock_.now() + kProgress_ns;
@@ -134,16 +144,24 @@ void LiveRun::run(bool show_progress) {
   }
   if (show_progress) fmt::print(stderr, "\n");
   robot_->stop();
+  if (control_ != nullptr) control_counts_ = control_->counts();
+  control_.reset();
   end_ns_ = clock_.now();
   run_s_ = static_cast<double>(end_ns_ - start_ns) / 1e9;
-  save_poses();
+  take_poses();
   note_base();
 }
 
 void LiveRun::show(hal::TimeNs since_ns, const nav::LiveStatus& status) const {
   fmt::print(stderr, "\r{:6.0f} s", static_cast<double>(since_ns) / 1e9);
-  if (meter_) fmt::print(stderr, "  {:5.1f} % seen", 100.0 * status.coverage);
+  if (status.coverage >= 0.0) fmt::print(stderr, "  {:5.1f} % seen", 100.0 * status.coverage);
   fmt::print(stderr, "  {:6.1f} m driven  {}     ", status.path_m, nav::name_of(status.state));
+}
+
+void LiveRun::say_words(hal::TimeNs since_ns) {
+  for (; next_word_ < staging_.words.size() && staging_.words[next_word_].at_ns <= since_ns; ++next_word_) {
+    (void)robot_->hotline().say(staging_.words[next_word_].word);
+  }
 }
 
 bool LiveRun::was_interrupted() const { return stop_requested.load(); }
@@ -158,14 +176,14 @@ double LiveRun::building_late_s() const {
   return building_ == nullptr ? 0.0 : static_cast<double>(building_->latest_step_ns()) / 1e9;
 }
 
-void LiveRun::finish_files(std::vector<hal::Error>& failures) {
-  if (failure_) failures.push_back(*failure_);
-  if (trajectory_) {
-    if (const auto done = trajectory_->commit(); !done) failures.push_back(done.error());
-  }
-  if (recorder_ != nullptr) {
-    if (const auto done = recorder_->finish(); !done) failures.push_back(done.error());
-  }
+hal::Result<void> LiveRun::finish_recording() {
+  return recorder_ == nullptr ? hal::Result<void>{} : recorder_->finish();
+}
+
+std::vector<nav::ThreadTime> LiveRun::thread_times() const {
+  std::vector<nav::ThreadTime> times = robot_->thread_times();
+  times.push_back({"guard", static_cast<double>(hal::children_cpu_ns()) * 1e-9});
+  return times;
 }
 
 hal::Result<std::string> LiveRun::find_port() {
@@ -186,13 +204,10 @@ void LiveRun::end_camera() {
   no_camera_.stop();
 }
 
-void LiveRun::save_poses() {
+// Kept in memory until the end: the loop that looks after the threads, the time and Ctrl-C must not wait for a disk.
+void LiveRun::take_poses() {
   hal::StampedPose pose;
-  while (robot_->next_pose(pose)) {
-    poses_.push_back(pose.T_world_camera);
-    if (!trajectory_) continue;
-    if (const auto written = trajectory_->append(pose); !written && !failure_) failure_ = written.error();
-  }
+  while (robot_->next_pose(pose)) way_.push_back(pose);
 }
 
 void LiveRun::note_base() {

@@ -11,6 +11,7 @@
 #include "hal/clock.hpp"
 #include "hal/linux/serial_port.hpp"
 #include "hal/parking.hpp"
+#include "hal/sim/disk_faults.hpp"
 #include "hal/sim/observable.hpp"
 #include "hal/sim/real_time_building.hpp"
 #include "main_commands.hpp"
@@ -50,21 +51,23 @@ struct Place {
 /// The members stand in the order in which they must go again: see LineGuard.
 class LiveRun {
  public:
-  /// All three outlive this.
-  LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config);
+  /// All outlive this.
+  LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config,
+          const Staging& staging);
 
   /// The guard's process first, then everything that has threads. `place`: where the base is simulated.
   [[nodiscard]] hal::Result<void> begin(std::optional<Place> place, double rate_hz);
   /// Returns when it is home, its time is over, the camera has ended, or a signal came; then it stands and all threads
   /// have ended.
   void run(bool show_progress);
-  /// Ends the files that were written all along.
-  void finish_files(std::vector<hal::Error>& failures);
+  /// Ends the recording; it waits for the disk. Without one there is nothing to do.
+  [[nodiscard]] hal::Result<void> finish_recording();
 
   // After run()
   [[nodiscard]] const nav::RobotThreads& robot() const { return *robot_; }
   [[nodiscard]] const BaseReport& base() const { return base_; }
-  [[nodiscard]] const std::vector<hal::Pose>& poses() const { return poses_; }
+  /// Of the integrated frames.
+  [[nodiscard]] const std::vector<hal::StampedPose>& way() const { return way_; }
   [[nodiscard]] double run_s() const { return run_s_; }
   [[nodiscard]] hal::TimeNs end_ns() const { return end_ns_; }
   [[nodiscard]] bool was_interrupted() const;
@@ -72,21 +75,30 @@ class LiveRun {
   [[nodiscard]] std::optional<nav::OutsideView> outside();
   /// By how much its steps came too late, at most.
   [[nodiscard]] double building_late_s() const;
+  /// Of the robot's threads, and of the process that holds the line too.
+  [[nodiscard]] std::vector<nav::ThreadTime> thread_times() const;
+  /// What people said.
+  void write_control(mapper::JsonWriter& json) const { g3d::write_control(json, robot_->hotline(), control_counts_); }
   [[nodiscard]] std::uint64_t unrecorded_bytes() const { return recorder_ == nullptr ? 0 : recorder_->lost_bytes(); }
 
  private:
   [[nodiscard]] hal::Result<std::string> find_port();
-  [[nodiscard]] hal::Result<void> begin_files();
+  [[nodiscard]] hal::Result<void> begin_recording();
   [[nodiscard]] hal::DepthCamera& camera();
   void end_camera();
-  void save_poses();
+  void say_words(hal::TimeNs since_ns);
+  void take_poses();
   void show(hal::TimeNs since_ns, const nav::LiveStatus& status) const;
   void note_base();
 
   const board::Board& board_;
   const LiveOptions& options_;
   const nav::RobotConfig& config_;
+  const Staging& staging_;
   hal::RealClock clock_;
+  hal::TimeNs begin_ns_ = 0;
+  std::optional<hal::DiskFaults> bad_disk_;
+  std::optional<hal::DiskInstead> disk_instead_;
   hal::Observable observable_;
   std::optional<nav::CoverageMeter> meter_;
   std::unique_ptr<hal::RealTimeBuilding> building_;
@@ -96,10 +108,11 @@ class LiveRun {
   NoCamera no_camera_;
   std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
   std::unique_ptr<nav::RobotThreads> robot_;
+  std::unique_ptr<hal::ControlSocket> control_;
+  hal::ControlCounts control_counts_;
+  std::size_t next_word_ = 0;
 
-  std::optional<hal::TrajectoryWriter> trajectory_;
-  std::vector<hal::Pose> poses_;
-  std::optional<hal::Error> failure_;
+  std::vector<hal::StampedPose> way_;
   BaseReport base_;
   double run_s_ = 0.0;
   hal::TimeNs end_ns_ = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "hal/linux/cpu_time.hpp"
 #include "hal/replay/decimal.hpp"
 #include "hal/sim/sim_building.hpp"
 #include "main_setup.hpp"
@@ -73,7 +74,63 @@ nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& o
   navigator.near_watch.body_radius_m = board.robot_radius_m;
   navigator.near_watch.forward_m = board.mount_x_m;
   navigator.near_watch.near_m = board.map_near_m;
+  navigator.frame_view.depth_scan.T_base_camera = mount_pose(board);
+  navigator.frame_view.floor_steps.T_base_camera = mount_pose(board);
+  navigator.frame_view.depth_scan.body_height_m = board.robot_height_m;
+  navigator.frame_view.passers.body_radius_m = board.robot_radius_m;
   return config;
+}
+
+hal::Result<Staging> read_staging(const StagingOptions& options) {
+  Staging staging;
+  for (const std::string& text : options.fail) {
+    const auto fault = hal::parse_fault(text);
+    if (!fault) return hal::Error{fault.error().reason, "--fail " + fault.error().text};
+    staging.faults.push_back(fault.value());
+  }
+  for (const std::string& text : options.at) {
+    const auto word = nav::parse_timed_word(text);
+    if (!word) return hal::Error{word.error().reason, "--at " + word.error().text};
+    staging.words.push_back(word.value());
+  }
+  std::stable_sort(staging.words.begin(), staging.words.end(),
+                   [](const nav::TimedWord& a, const nav::TimedWord& b) { return a.at_ns < b.at_ns; });
+  return staging;
+}
+
+void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options) {
+  if (options.battery_min > 0.0) base.battery_life_s = 60.0 * options.battery_min;
+}
+
+hal::Result<std::unique_ptr<hal::ControlSocket>> open_control(const StagingOptions& options, const std::string& out_dir,
+                                                              nav::Hotline& hotline) {
+  if (options.control.empty() && out_dir.empty()) return std::unique_ptr<hal::ControlSocket>{};
+  const std::string path = options.control.empty() ? out_dir + "/control" : options.control;
+  return hal::ControlSocket::open(path, [&hotline](std::string_view request) { return hotline.answer(request); });
+}
+
+void write_control(mapper::JsonWriter& json, const nav::Hotline& hotline, const hal::ControlCounts& counts) {
+  json.key("control").begin_object();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(nav::PersonWord::count_); ++i) {
+    const auto word = static_cast<nav::PersonWord>(i);
+    json.member(nav::to_string(word), hotline.said(word));
+  }
+  json.key("rejected").begin_object().member("unknown_word", hotline.unknown_words());
+  json.member("too_many_words", hotline.refused_words()).member("too_long", counts.too_long);
+  json.member("too_slow", counts.too_slow).member("too_many_clients", counts.too_many).end_object();
+  json.end_object();
+}
+
+void write_cpu(mapper::JsonWriter& json, std::span<const nav::ThreadTime> times, double run_s) {
+  const auto to_ms = [](double seconds) { return std::round(seconds * 1000.0) / 1000.0; };
+  double robot_s = 0.0;
+  json.key("cpu_s").begin_object();
+  for (const nav::ThreadTime& time : times) {
+    json.member(time.name, to_ms(time.cpu_s));
+    if (std::string_view(time.name) != "camera_read") robot_s += time.cpu_s;
+  }
+  json.member("robot", to_ms(robot_s)).member("process", to_ms(static_cast<double>(hal::process_cpu_ns()) * 1e-9));
+  json.member("robot_cores", run_s > 0.0 ? to_ms(robot_s / run_s) : 0.0).end_object();
 }
 
 std::vector<std::pair<std::string, std::uint64_t>> safety_stops(const hal::kobuki::BaseState& base) {

@@ -2,6 +2,7 @@
 // What the board and the command line say of a robot that drives itself, and what its base has to say at the end.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -9,12 +10,17 @@
 
 #include "board/board.hpp"
 #include "hal/kobuki/base_thread.hpp"
+#include "hal/linux/control_socket.hpp"
 #include "hal/result.hpp"
+#include "hal/sim/fault_plan.hpp"
+#include "hal/sim/sim_kobuki.hpp"
 #include "main_commands.hpp"
 #include "mapper/json_writer.hpp"
 #include "mapper/summary.hpp"
 #include "nav/exploration_report.hpp"
+#include "nav/hotline.hpp"
 #include "nav/robot.hpp"
+#include "nav/robot_threads.hpp"
 
 namespace g3d {
 
@@ -29,6 +35,24 @@ struct CameraChoice {
 [[nodiscard]] hal::Result<void> set_area(const std::string& text, nav::ExplorerConfig& explorer);
 [[nodiscard]] nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& options,
                                             const hal::CameraModel& camera, const hal::PlanarPose& T_world_start);
+/// What the options say is to happen. Errors: bad_usage.
+struct Staging {
+  hal::FaultPlan faults;
+  std::vector<nav::TimedWord> words;  ///< in order of time
+};
+[[nodiscard]] hal::Result<Staging> read_staging(const StagingOptions& options);
+/// The simulated base's.
+void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options);
+/// None where nobody asked for one and there is no folder for it. Errors: those of ControlSocket.
+[[nodiscard]] hal::Result<std::unique_ptr<hal::ControlSocket>> open_control(const StagingOptions& options,
+                                                                            const std::string& out_dir,
+                                                                            nav::Hotline& hotline);
+/// Writes the key "control" and the object: what people said.
+void write_control(mapper::JsonWriter& json, const nav::Hotline& hotline, const hal::ControlCounts& counts);
+/// Writes the key "cpu_s" and the object: CPU time of each thread in seconds, of the whole process, and of the robot
+/// alone, in cores: without what it costs to read or simulate a frame.
+void write_cpu(mapper::JsonWriter& json, std::span<const nav::ThreadTime> times, double run_s);
+
 /// What kept the base from moving, and how often it began to, in the order of the safety table.
 [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> safety_stops(const hal::kobuki::BaseState& base);
 

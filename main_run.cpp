@@ -308,6 +308,10 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   if (!options.camera.empty() || !options.area.empty() || options.drift > 0.0) {
     return bad_usage("--camera, --area and --drift are of robots: add --robots 1");
   }
+  const StagingOptions& staging = options.staging;
+  if (!staging.control.empty() || !staging.at.empty() || !staging.fail.empty() || staging.battery_min > 0.0) {
+    return bad_usage("--control, --at, --fail and --battery are of robots: add --robots 1");
+  }
   const auto loaded_board = effective_board(options.mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();

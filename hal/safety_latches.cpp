@@ -40,7 +40,11 @@ void note_packet(SafetyLatches& l, const PacketFlags& flags, TimeNs received_ns,
   hold(l.over_current, flags.over_current, received_ns, agree, times.over_current_ns);
   hold(l.bumper, flags.bumper, received_ns, agree);
   hold(l.cliff, flags.cliff, received_ns, agree);
-  hold(l.dead_wheel, flags.dead_wheel, received_ns, agree, times.dead_wheel_ns);
+  if (flags.dead_wheel && !l.dead_wheel.held)
+    l.dead_wheel_tries = std::min(l.dead_wheel_tries + 1, times.most_doublings + 1);
+  if (flags.wheels_count) l.dead_wheel_tries = 0;
+  const std::uint32_t doublings = l.dead_wheel_tries > 0 ? l.dead_wheel_tries - 1 : 0;
+  hold(l.dead_wheel, flags.dead_wheel, received_ns, agree, times.dead_wheel_ns << doublings);
   hold(l.wrong_firmware, flags.wrong_firmware, received_ns, agree);
   hold(l.late_base, flags.age_ns > times.late_base_ns, received_ns, agree);
   hold(l.battery_low, flags.battery_low, received_ns, times.agreeing_battery);

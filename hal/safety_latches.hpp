@@ -20,7 +20,8 @@ struct SafetyTimes {
   TimeNs late_base_ns = 80'000'000;       ///< older than the freshest feedback seen
   TimeNs wheels_up_ns = 1'000'000'000;    ///< both, before a dropped wheel is forgotten
   TimeNs over_current_ns = 500'000'000;   ///< standing, for the motor to cool
-  TimeNs dead_wheel_ns = 1'000'000'000;   ///< standing, before wheels that did not count are tried again
+  TimeNs dead_wheel_ns = 1'000'000'000;   ///< standing, before wheels that did not count are tried again,
+  std::uint32_t most_doublings = 5;       ///< and twice as long after every try in vain, so many times
   std::uint32_t agreeing_packets = 5;     ///< to clear a flag, and to believe in a base that was silent
   std::uint32_t agreeing_battery = 50;    ///< the voltage sags when the motors start
   std::uint32_t good_ticks = 5;           ///< after a late one
@@ -35,6 +36,7 @@ struct PacketFlags {
   bool battery_low = false;
   bool battery_empty = false;
   bool dead_wheel = false;
+  bool wheels_count = false;  ///< both wheels roll, and their encoders say so
   bool wrong_firmware = false;
   TimeNs age_ns = 0;  ///< how much later it came than the freshest ones do
 };
@@ -49,6 +51,7 @@ struct HeldFlag {
 
 struct SafetyLatches {
   HeldFlag bumper, cliff, wheel_drop, over_current, battery_low, battery_empty, dead_wheel, wrong_firmware, late_base;
+  std::uint32_t dead_wheel_tries = 0;  ///< in vain, one after the other
   bool had_packet = false;
   TimeNs last_packet_ns = 0;
   std::uint32_t packets_in_row = 0;  ///< without a silence between them

@@ -120,6 +120,8 @@ Mapper::Mapper(const MapperConfig& config, const hal::CameraModel& camera, std::
     : parts_(std::make_unique<Parts>(config, camera, scan_mask)) {}
 Mapper::~Mapper() = default;
 
+std::int64_t Mapper::workers_cpu_ns() const { return parts_->pool.workers_cpu_ns(); }
+
 FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_camera) {
   Parts& p = *parts_;
   FrameReport report;

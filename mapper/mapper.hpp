@@ -106,6 +106,8 @@ class Mapper {
   [[nodiscard]] VoxelMap& map();
   [[nodiscard]] const VoxelMap& map() const;
   [[nodiscard]] const MapperConfig& config() const;
+  /// CPU time of the mapper's own threads so far, without the caller's. Any thread.
+  [[nodiscard]] std::int64_t workers_cpu_ns() const;
 
  private:
   struct Parts;

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdlib>
 
+#include "hal/disk.hpp"
 #include "hal/image/atomic_file.hpp"
 
 namespace g3d::mapper {
@@ -22,7 +23,7 @@ class NamelessFile final : public PageFile {
 
   hal::Result<void> write(std::uint64_t offset, std::span<const std::uint8_t> bytes) override {
     while (!bytes.empty()) {
-      const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      const ssize_t n = hal::disk().pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return hal::system_error(name_, "cannot be written", errno);
       bytes = bytes.subspan(static_cast<std::size_t>(n));
@@ -33,7 +34,7 @@ class NamelessFile final : public PageFile {
 
   hal::Result<void> read(std::uint64_t offset, std::span<std::uint8_t> out) override {
     while (!out.empty()) {
-      const ssize_t n = ::pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
+      const ssize_t n = hal::disk().pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return hal::system_error(name_, "cannot be read", errno);
       if (n == 0) {
@@ -47,7 +48,7 @@ class NamelessFile final : public PageFile {
   }
 
   hal::Result<void> truncate(std::uint64_t bytes) override {
-    if (::ftruncate(fd_, static_cast<off_t>(bytes)) != 0) {
+    if (hal::disk().ftruncate(fd_, static_cast<off_t>(bytes)) != 0) {
       return hal::system_error(name_, "cannot be shortened", errno);
     }
     return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "nav/glances.hpp"
 #include "nav/set_aside.hpp"
@@ -347,7 +348,8 @@ void Explorer::set_home(const PlanarPose& T_world_home) {
 
 void Explorer::set_energy_left(double seconds) { state_->energy_left_s = seconds; }
 
-void Explorer::return_home() {
+void Explorer::return_home(bool for_energy) {
+  if (for_energy) state_->left[LeftReason::energy] += std::exchange(state_->left.open, 0);
   if (state_->stage != State::Stage::going_home && state_->stage != State::Stage::at_home) state_->turn_home();
 }
 

@@ -58,7 +58,7 @@ class Explorer final : public GoalChooser {
   void start_again() override;
   void set_home(const PlanarPose& T_world_home) override;
   void set_energy_left(double seconds) override;
-  void return_home() override;
+  void return_home(bool for_energy) override;
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override;
 
  private:

@@ -73,8 +73,8 @@ class GoalChooser {
   virtual void set_home(const PlanarPose& T_world_home) = 0;
   /// Seconds of driving that the battery still gives; infinite until set.
   virtual void set_energy_left(double seconds) = 0;
-  /// Ends exploration: the next decisions lead home.
-  virtual void return_home() = 0;
+  /// Ends exploration: the next decisions lead home. `for_energy`: what is still open was left for the battery's sake.
+  virtual void return_home(bool for_energy) = 0;
 
   /// Frontier cells as of the last decision (pictures, pages), indices ascending within no particular order.
   [[nodiscard]] virtual std::span<const std::uint32_t> frontier_cells() const = 0;

@@ -154,12 +154,18 @@ void GroundMap::set_evidence(Cell c, Evidence from_voxels) {
   Marked& evidence = evidence_[states_.index(c)];
   const Marked before = evidence & kFromVoxels;
   if (from_voxels == before) return;
+  const bool was_free_floor = (before & kFloorSeen) != 0 && states_.at(c) == CellState::free;
   evidence = static_cast<Marked>((evidence & ~kFromVoxels) | from_voxels);
   const Marked flipped = from_voxels ^ before;
   if ((flipped & kDropSeen) != 0) spread(c, drops_near_, (from_voxels & kDropSeen) != 0 ? 1 : -1);
   if ((flipped & kFloorSeen) != 0) spread(c, floors_near_, (from_voxels & kFloorSeen) != 0 ? 1 : -1);
   if ((flipped & kHitOnce) != 0) refresh_around(c);
   refresh(c);
+  if (states_.at(c) != CellState::occupied) {
+    evidence &= static_cast<Marked>(~kCameLater);
+  } else if (was_free_floor) {
+    evidence |= kCameLater;
+  }
 }
 
 void GroundMap::spread(Cell c, std::vector<std::uint16_t>& counts, int step) {
@@ -195,7 +201,7 @@ CellState GroundMap::judge(Cell c) const {
   const std::size_t index = states_.index(c);
   const Marked evidence = evidence_[index];
   const bool floor_seen = (evidence & kFloorSeen) != 0;
-  if ((evidence & kObstacle) != 0) return CellState::occupied;
+  if ((evidence & (kObstacle | kStep)) != 0) return CellState::occupied;
   if ((evidence & kHitOnce) != 0 && has_hit_neighbour(c)) return CellState::occupied;
   if ((evidence & kContact) != 0 && (!floor_seen || (evidence & kDistrusted) != 0)) return CellState::occupied;
   if (floor_seen || (evidence & kStart) != 0) return CellState::free;
@@ -239,6 +245,13 @@ void GroundMap::mark_contact(double x_m, double y_m, double radius_m) {
     evidence = static_cast<Marked>(evidence | kContact | ((evidence & kFloorSeen) != 0 ? kDistrusted : 0));
     refresh(c);
   });
+}
+
+void GroundMap::mark_step(Cell c, bool is_step) {
+  if (!states_.contains(c)) return;
+  Marked& evidence = evidence_[states_.index(c)];
+  evidence = static_cast<Marked>(is_step ? evidence | kStep : evidence & ~kStep);
+  refresh(c);
 }
 
 void GroundMap::forget_contacts() {

@@ -54,6 +54,8 @@ class GroundMap {
   /// The bumper met what the camera did not see. Where the floor had been seen the camera is not believed any more
   /// (glass, black things); elsewhere the mark goes when the floor comes into view.
   void mark_contact(double x_m, double y_m, double radius_m);
+  /// A step that voxels are too coarse for, or none any more.
+  void mark_step(Cell c, bool is_step);
   /// Drops all contact marks: a last resort, for whoever finds no way any more.
   void forget_contacts();
 
@@ -66,6 +68,8 @@ class GroundMap {
   [[nodiscard]] bool is_floor_seen(Cell c) const { return has(c, kFloorSeen); }
   [[nodiscard]] bool is_drop(Cell c) const { return has(c, kDropSeen); }
   [[nodiscard]] bool is_contact(Cell c) const { return has(c, kContact); }
+  /// What is occupied here came (again) after the floor had been seen free.
+  [[nodiscard]] bool came_later(Cell c) const { return has(c, kCameLater); }
   [[nodiscard]] const GroundLayers& layers() const { return layers_; }
   [[nodiscard]] double resolution_m() const { return states_.resolution_m; }
 
@@ -73,7 +77,7 @@ class GroundMap {
   // Of a cell: the low bits come from the voxels (column_evidence.hpp), the others from marks.
   using Marked = std::uint16_t;
   static constexpr Marked kFromVoxels = kFloorSeen | kAirSeen | kLowSeen | kDropSeen | kHitOnce | kObstacle;
-  static constexpr Marked kStart = 256, kContact = 512, kDistrusted = 1024;
+  static constexpr Marked kStart = 256, kContact = 512, kDistrusted = 1024, kCameLater = 2048, kStep = 4096;
 
   [[nodiscard]] bool has(Cell c, Marked bit) const {
     return states_.contains(c) && (evidence_[states_.index(c)] & bit) != 0;

@@ -14,6 +14,7 @@
 
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/depth_scan.hpp"
 
 namespace g3d::nav {
 
@@ -31,13 +32,16 @@ class LowView {
   LowView(const CellGrid<CellState>& like, const LowViewConfig& config);
 
   /// A frame was taken here: marks what lies in view between low_m() and where the floor itself is seen, over free
-  /// cells alone.
-  void look(const CellGrid<CellState>& states, const hal::PlanarPose& T_world_base);
+  /// cells alone. With `scan`, of that frame, only as far as the floor is measured: something black that stands on it
+  /// gives no reading, and then nobody has looked low.
+  void look(const CellGrid<CellState>& states, const hal::PlanarPose& T_world_base, const DepthScan* scan = nullptr);
 
   [[nodiscard]] bool is_seen(Cell c) const { return seen_.contains(c) && seen_.at(c) != 0; }
   [[nodiscard]] double low_m() const { return low_m_; }
 
  private:
+  void walk(const CellGrid<CellState>& states, const hal::PlanarPose& T_world_base, double bearing_rad, double reach_m);
+
   LowViewConfig config_;
   double low_m_;
   double far_m_;

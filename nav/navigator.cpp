@@ -29,8 +29,8 @@ ExplorerConfig sized(ExplorerConfig config, const CellGrid<CellState>& states) {
 
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
     : config_(config),
-      floor_(grid, {config.ground, config.low_view, config.near_watch, config.follower.limits.body_radius_m,
-                    config.inflation_radius_m, config.inflation_decay_perm}),
+      floor_(grid, {config.ground, config.low_view, config.near_watch, config.frame_view,
+                    config.follower.limits.body_radius_m, config.inflation_radius_m, config.inflation_decay_perm}),
       chooser_(config.make_chooser(sized(config.explorer, floor_.states()))),
       pursuit_(floor_.states(), config.follower, config.pursuit),
       behind_(config.follower.limits.body_radius_m, config.follower.limits.touch_margin_m, kBehind_m,
@@ -84,7 +84,7 @@ void Navigator::command(MissionEvent event) {
   if (event == E::come_home || event == E::battery_low) {
     is_sent_home_ = true;
     closed_way_.end();
-    chooser_->return_home();
+    chooser_->return_home(event == E::battery_low);
     next_decision_ns_ = 0;
   } else if (event == E::resume) {
     standby_.forget_retries();

@@ -52,6 +52,7 @@ struct NavigatorConfig {
   GroundMapConfig ground;
   LowViewConfig low_view;
   NearWatchConfig near_watch;
+  FrameViewConfig frame_view;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
   ExplorerConfig explorer;
@@ -80,6 +81,8 @@ class Navigator {
                 TimeNs now);
   /// After every feedback packet. The first pose is home.
   void on_base(const BaseView& view, TimeNs now);
+  /// What the safety table says while no packet comes: a robot that may not move has not got stuck.
+  void on_verdict(const hal::Verdict& verdict) { base_.verdict = verdict; }
   /// 20 to 50 times a second: the velocity to command.
   [[nodiscard]] hal::Twist step(TimeNs now);
   /// A person's word: pause, resume, stop, come_home; and battery_low. Others are the navigator's own: ignored.

@@ -51,7 +51,7 @@ void NearWatch::walk(const hal::PlanarPose& pose, const hal::CameraModel& camera
 }
 
 void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
-                     const hal::PlanarPose& pose, TimeNs now) {
+                     const MovedLately& moved, const hal::PlanarPose& pose, TimeNs now) {
   if (camera.width_px < kSectors) return;
   last_pose_ = pose;
   std::array<bool, kSectors> has_floor{};
@@ -62,7 +62,7 @@ void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, co
     bool is_explained = false;
     if (!has_floor[i]) {
       walk(pose, camera, sector, 0.5, 0.0, config_.explained_m, [&](Cell c) {
-        is_explained = states.at(c) == CellState::occupied;
+        is_explained = states.at(c) == CellState::occupied && !moved.is_new(c, now);
         return !is_explained;
       });
     }

@@ -13,6 +13,7 @@
 #include "hal/messages.hpp"
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/moved_lately.hpp"
 
 namespace g3d::nav {
 
@@ -39,7 +40,7 @@ class NearWatch {
 
   /// A frame was taken here. Allocates nothing.
   void look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
-            const hal::PlanarPose& T_world_base, TimeNs now);
+            const MovedLately& moved, const hal::PlanarPose& T_world_base, TimeNs now);
 
   [[nodiscard]] bool is_suspect(Cell c, TimeNs now) const {
     return until_.contains(c) && until_.at(c) != 0 && until_.at(c) > tick(now);

@@ -80,18 +80,18 @@ hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const Out
                   ending)};
 }
 
-Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& folder) {
-  Outputs outputs;
+std::vector<OutputJob> output_jobs(const mapper::VoxelMap& map, const OutputOptions& options,
+                                   const std::string& folder) {
+  std::vector<OutputJob> jobs;
   for (const char* name : {"map.g3d", "map.ot", "map.bt", "map.ply", "ground.yaml", "map.png", "top.png"}) {
-    auto written = write_as(map, options, folder + "/" + name);
-    if (!written) {
-      outputs.failures.push_back(written.error());
-      continue;
-    }
-    if (outputs.files.empty() && outputs.failures.empty()) outputs.map_file_bytes = written.value().bytes;
-    outputs.files.push_back(std::move(written).value());
+    const std::string path = folder + "/" + name;
+    jobs.push_back({path, [&map, &options, path] { return write_as(map, options, path); }});
   }
-  return outputs;
+  return jobs;
+}
+
+Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options, const std::string& folder) {
+  return write_patiently(output_jobs(map, options, folder));
 }
 
 Outputs write_native_output(const mapper::BlockSource& whole, const OutputOptions& options, const std::string& folder) {

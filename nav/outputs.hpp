@@ -13,6 +13,7 @@
 #include "mapper/summary.hpp"
 #include "mapper/voxel_map.hpp"
 #include "nav/ground_grid.hpp"
+#include "nav/patient_writer.hpp"
 
 namespace g3d::nav {
 
@@ -27,14 +28,11 @@ struct OutputOptions {
 [[nodiscard]] hal::Result<mapper::WrittenFile> write_as(const mapper::VoxelMap& map, const OutputOptions& options,
                                                         const std::string& path);
 
-struct Outputs {
-  std::vector<mapper::WrittenFile> files;
-  std::vector<hal::Error> failures;  ///< of the files that could not be written; the others are there
-  std::uint64_t map_file_bytes = 0;
-};
-
-/// map.g3d first, then map.ot, map.bt, map.ply, ground.pgm + ground.yaml, map.png, top.png: one that fails does not
-/// stop the rest.
+/// map.g3d first, then map.ot, map.bt, map.ply, ground.pgm + ground.yaml, map.png, top.png. All that is named here
+/// outlives the jobs.
+[[nodiscard]] std::vector<OutputJob> output_jobs(const mapper::VoxelMap& map, const OutputOptions& options,
+                                                 const std::string& folder);
+/// All of these, tried once: one that fails does not stop the rest.
 [[nodiscard]] Outputs write_outputs(const mapper::VoxelMap& map, const OutputOptions& options,
                                     const std::string& folder);
 

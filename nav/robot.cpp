@@ -31,6 +31,9 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   if (base.packets != packets_seen_) {
     packets_seen_ = base.packets;
     navigator_.on_base(senses_.feel(base), now);
+    if (senses_.feels_battery_low(base)) navigator_.command(MissionEvent::battery_low);
+  } else {
+    navigator_.on_verdict(base.verdict);
   }
   if (packets_seen_ == 0 || ticks_++ % static_cast<std::uint64_t>(config_.steps_per_command) != 0) return;
   const hal::TimeNs start_ns = clock_.now();

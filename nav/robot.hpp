@@ -21,6 +21,7 @@
 #include "mapper/mapper.hpp"
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
+#include "nav/live_status.hpp"
 #include "nav/navigator.hpp"
 #include "nav/senses.hpp"
 
@@ -48,6 +49,10 @@ class Robot {
   /// Every frame of the camera, whatever it is worth.
   void on_frame(const hal::Frame& frame, hal::TimeNs now);
 
+  /// For people who look on.
+  [[nodiscard]] LiveStatus status(hal::TimeNs now) const {
+    return status_of(navigator_, driver_.state(), T_world_base(), now);
+  }
   [[nodiscard]] hal::PlanarPose T_world_base() const;
   [[nodiscard]] const hal::kobuki::BaseState& base() const { return driver_.state(); }
   [[nodiscard]] hal::kobuki::BaseDriver& driver() { return driver_; }

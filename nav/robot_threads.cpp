@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "hal/linux/cpu_time.hpp"
+
 namespace g3d::nav {
 namespace {
 
@@ -90,7 +92,9 @@ void RobotThreads::camera_loop() {
   hal::kobuki::PoseHistory poses;
   while (has_frame && !ending_.load(std::memory_order_acquire)) {
     const hal::TimeNs start_ns = parts_.clock.now();
+    const std::int64_t cpu_ns = hal::thread_cpu_ns();
     const hal::CameraRead read = parts_.camera.read(pool_[index]);
+    camera_read_cpu_ns_ += hal::thread_cpu_ns() - cpu_ns;
     if (read.event == hal::CameraEvent::end) break;
     const hal::TimeNs now_ns = parts_.clock.now();
     times(Stage::read).add(now_ns - start_ns);
@@ -116,6 +120,7 @@ void RobotThreads::camera_loop() {
       has_frame = pool_.try_acquire(index);
     }
   }
+  camera_cpu_ns_ = hal::thread_cpu_ns() - camera_read_cpu_ns_;
   camera_ended_.store(true, std::memory_order_release);
 }
 
@@ -126,6 +131,7 @@ void RobotThreads::mapper_loop() {
     integrate(judged);
     pool_.release(judged.frame_index);
   }
+  mapper_cpu_ns_ = hal::thread_cpu_ns();
 }
 
 void RobotThreads::integrate(const JudgedFrame& judged) {
@@ -163,6 +169,7 @@ void RobotThreads::navigator_loop() {
   while (!navigator_ending_.load(std::memory_order_acquire)) {
     const hal::TimeNs now_ns = parts_.clock.now();
     take_base(now_ns);
+    take_words(now_ns);
     if (now_ns >= due_ns) {
       if (seen_packets_ > 0 && !ending_.load(std::memory_order_acquire)) {
         times(Stage::navigate_late).add(now_ns - due_ns);
@@ -175,16 +182,25 @@ void RobotThreads::navigator_loop() {
     parts_.clock.sleep_until(std::min(due_ns, parts_.clock.now() + config_.poll_ns));
   }
   tell(parts_.clock.now());
+  navigator_cpu_ns_ = hal::thread_cpu_ns();
 }
 
 void RobotThreads::take_base(hal::TimeNs now) {
-  hal::kobuki::BaseState state;
-  if (!base_.state().read_newer(seen_state_, state) || state.packets == seen_packets_) return;
-  seen_packets_ = state.packets;
-  navigator_.on_base(senses_.feel(state), now);
-  if (state.battery_level != hal::kobuki::BatteryLevel::healthy && !is_sent_home_) {
-    is_sent_home_ = true;
-    navigator_.command(MissionEvent::battery_low);
+  if (!base_.state().read_newer(seen_state_, base_state_)) return;
+  if (base_state_.packets == seen_packets_) {
+    navigator_.on_verdict(base_state_.verdict);
+    return;
+  }
+  seen_packets_ = base_state_.packets;
+  navigator_.on_base(senses_.feel(base_state_), now);
+  if (senses_.feels_battery_low(base_state_)) navigator_.command(MissionEvent::battery_low);
+}
+
+void RobotThreads::take_words(hal::TimeNs now) {
+  while (const auto word = hotline_.take()) {
+    if (const auto event = event_of(*word)) navigator_.command(*event);
+    if (*word == PersonWord::resume) base_.resume();  // an e-stop that was released waits for it as well
+    tell(now);
   }
 }
 
@@ -210,7 +226,9 @@ void RobotThreads::tell(hal::TimeNs now) {
     coverage_ = parts_.coverage(navigator_.ground());
     navigator_.report().note_coverage(coverage_, now);
   }
-  status_.write({now, coverage_, navigator_.report().path_m, navigator_.mission().state()});
+  LiveStatus status = status_of(navigator_, base_state_, senses_.in_world(base_state_.T_world_base), now);
+  status.coverage = coverage_;
+  hotline_.publish(status);
 }
 
 void RobotThreads::drop(hal::DropReason reason) {
@@ -225,6 +243,16 @@ mapper::FrameCounts RobotThreads::frames() const {
     counts.dropped[i] = dropped_[i].load(std::memory_order_relaxed);
   }
   return counts;
+}
+
+std::vector<ThreadTime> RobotThreads::thread_times() const {
+  const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-9; };
+  return {{"base", seconds(base_.cpu_ns())},
+          {"camera", seconds(camera_cpu_ns_)},
+          {"camera_read", seconds(camera_read_cpu_ns_)},
+          {"mapper", seconds(mapper_cpu_ns_)},
+          {"mapper_workers", seconds(mapper_.workers_cpu_ns())},
+          {"navigator", seconds(navigator_cpu_ns_)}};
 }
 
 std::vector<mapper::NamedStage> RobotThreads::stages() const {

@@ -30,6 +30,7 @@
 #include "mapper/mapper.hpp"
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
+#include "nav/hotline.hpp"
 #include "nav/navigator.hpp"
 #include "nav/robot.hpp"
 #include "nav/senses.hpp"
@@ -56,12 +57,10 @@ struct RobotParts {
   std::function<double(const GroundMap&)> coverage;
 };
 
-/// For people who look on while it runs.
-struct LiveStatus {
-  hal::TimeNs stamp_ns = 0;
-  double coverage = 0.0;
-  double path_m = 0.0;
-  MissionState state = MissionState::starting;
+/// CPU time that each thread has used.
+struct ThreadTime {
+  const char* name;
+  double cpu_s = 0.0;
 };
 
 class RobotThreads {
@@ -78,7 +77,9 @@ class RobotThreads {
   void stop();
 
   // While it runs
-  [[nodiscard]] const hal::Latest<LiveStatus>& status() const { return status_; }
+  [[nodiscard]] const hal::Latest<LiveStatus>& status() const { return hotline_.status(); }
+  /// Where people's words go in.
+  [[nodiscard]] Hotline& hotline() { return hotline_; }
   [[nodiscard]] hal::kobuki::BaseThread& base() { return base_; }
   /// Whether the camera has said that no frame will ever come again.
   [[nodiscard]] bool camera_has_ended() const { return camera_ended_.load(std::memory_order_acquire); }
@@ -88,6 +89,8 @@ class RobotThreads {
   // After stop()
   [[nodiscard]] mapper::FrameCounts frames() const;
   [[nodiscard]] std::vector<mapper::NamedStage> stages() const;
+  /// Of the robot's own threads; what reading a frame from the camera costs stands by itself ("camera_read").
+  [[nodiscard]] std::vector<ThreadTime> thread_times() const;
   [[nodiscard]] const mapper::Mapper& mapper() const { return mapper_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
@@ -120,6 +123,7 @@ class RobotThreads {
   void navigator_loop();
   void integrate(const JudgedFrame& judged);
   void take_base(hal::TimeNs now);
+  void take_words(hal::TimeNs now);
   void take_map(hal::TimeNs now);
   void step(hal::TimeNs now);
   void tell(hal::TimeNs now);
@@ -143,7 +147,7 @@ class RobotThreads {
   hal::Parking map_waits_;
   JudgedFrame shown_;
   hal::Ring<hal::StampedPose> poses_;
-  hal::Latest<LiveStatus> status_;
+  Hotline hotline_;
 
   std::atomic<bool> ending_{false}, navigator_ending_{false}, camera_ended_{false};
   std::atomic<std::uint64_t> delivered_{0}, integrated_{0};
@@ -153,10 +157,12 @@ class RobotThreads {
   std::uint64_t pool_full_frames_ = 0, refused_blocks_ = 0, lost_poses_ = 0;
   // The navigator thread's
   std::uint64_t seen_state_ = 0, seen_packets_ = 0;
-  bool is_sent_home_ = false;  // for lack of energy
-  double coverage_ = 0.0;
+  hal::kobuki::BaseState base_state_;
+  double coverage_ = -1.0;  // nobody knows
   hal::TimeNs next_coverage_ns_ = 0;
 
+  // Written by each thread at its end
+  std::int64_t camera_cpu_ns_ = 0, camera_read_cpu_ns_ = 0, mapper_cpu_ns_ = 0, navigator_cpu_ns_ = 0;
   std::thread camera_thread_, mapper_thread_, navigator_thread_;
 };
 

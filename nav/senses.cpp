@@ -48,7 +48,14 @@ BaseView Senses::feel(const hal::kobuki::BaseState& base) const {
   view.bumper = base.bumper;
   view.cliff = base.cliff;
   view.verdict = base.verdict;
+  view.energy_left_s = base.energy_left_s;
   return view;
+}
+
+bool Senses::feels_battery_low(const hal::kobuki::BaseState& base) {
+  if (had_low_battery_ || base.battery_level == hal::kobuki::BatteryLevel::healthy) return false;
+  had_low_battery_ = true;
+  return true;
 }
 
 }  // namespace g3d::nav

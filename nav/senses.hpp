@@ -36,12 +36,15 @@ class Senses {
   [[nodiscard]] Sight look(const hal::Frame& frame, const hal::kobuki::PoseHistory& poses, hal::TimeNs now);
   /// Any thread.
   [[nodiscard]] BaseView feel(const hal::kobuki::BaseState& base) const;
+  /// True once, when the base says for the first time that it is time to go home. One thread.
+  [[nodiscard]] bool feels_battery_low(const hal::kobuki::BaseState& base);
   [[nodiscard]] hal::PlanarPose in_world(const hal::PlanarPose& T_odometry_base) const;
 
  private:
   const SensesConfig config_;
   hal::FrameWatch frame_watch_;
   std::optional<hal::TimeNs> last_stamp_ns_;
+  bool had_low_battery_ = false;
 };
 
 }  // namespace g3d::nav

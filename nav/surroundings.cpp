@@ -30,6 +30,10 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
       trace_(ground_.states(), config.body_radius_m),
       low_view_(ground_.states(), config.low_view),
       near_watch_(ground_.states(), config.near_watch),
+      moved_(ground_.states()),
+      scan_(config.frame_view.depth_scan),
+      passers_(ground_.states(), config.frame_view.passers),
+      steps_(ground_.states(), config.frame_view.floor_steps),
       is_noted_(ground_.states().cells.size()),
       own_way_(tight_.cost()) {
   changed_.reserve(is_noted_.size());
@@ -54,6 +58,7 @@ void Surroundings::take_over_changes() {
   const std::span<const std::uint32_t> fresh = ground_.changed_cells().subspan(taken_over_);
   taken_over_ = ground_.changed_cells().size();
   if (fresh.empty()) return;
+  moved_.note(ground_, fresh, now_ns_);
   inflation_.update(ground_.states(), fresh);
   tight_.update(ground_.states(), inflation_, fresh);
   note_changed(fresh);
@@ -66,12 +71,22 @@ void Surroundings::on_map(const mapper::VoxelMap& map, std::span<const std::uint
   ground_.update(map, changed_slots);
   taken_over_ = 0;
   take_over_changes();
-  low_view_.look(ground_.states(), T_world_base);
+  if (!has_frames_) low_view_.look(ground_.states(), T_world_base);
 }
 
 void Surroundings::on_frame(const hal::Frame& frame, const hal::CameraModel& camera,
                             const hal::PlanarPose& T_world_base, TimeNs now) {
-  near_watch_.look(frame, camera, ground_.states(), T_world_base, now);
+  near_watch_.look(frame, camera, ground_.states(), moved_, T_world_base, now);
+  has_frames_ = true;
+  scan_.look(frame, camera);
+  low_view_.look(ground_.states(), T_world_base, &scan_);
+  passers_.look(scan_, ground_.states(), moved_, T_world_base, now);
+  steps_.look(frame, camera, ground_.states(), T_world_base);
+  for (const std::uint32_t cell : steps_.changed_cells()) {
+    const Cell c = ground_.states().cell(cell);
+    ground_.mark_step(c, steps_.is_step(c));
+  }
+  take_over_changes();
 }
 
 void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that navigation knows of the floor, and how well: the ground map from the voxels, its costs, what the body itself
-// has trodden and touched, how low the camera has looked, and what stands too near to be measured.
+// has trodden and touched, how low the camera has looked, who passes by, and what stands too near to be measured.
 // One thread. After construction nothing allocates.
 #pragma once
 
@@ -13,18 +13,30 @@
 #include "mapper/voxel_map.hpp"
 #include "nav/arc_check.hpp"
 #include "nav/body_trace.hpp"
+#include "nav/depth_scan.hpp"
+#include "nav/floor_steps.hpp"
 #include "nav/ground_map.hpp"
 #include "nav/inflation.hpp"
 #include "nav/low_view.hpp"
+#include "nav/moved_lately.hpp"
 #include "nav/near_watch.hpp"
+#include "nav/passers.hpp"
 #include "nav/tight_places.hpp"
 
 namespace g3d::nav {
+
+/// What every frame is looked at for, besides being mapped.
+struct FrameViewConfig {
+  DepthScanConfig depth_scan;
+  PassersConfig passers;
+  FloorStepsConfig floor_steps;
+};
 
 struct SurroundingsConfig {
   GroundMapConfig ground;
   LowViewConfig low_view;
   NearWatchConfig near_watch;
+  FrameViewConfig frame_view;
   double body_radius_m = 0.18;
   double inflation_radius_m = 0.55;
   double inflation_decay_perm = 8.0;
@@ -66,7 +78,9 @@ class Surroundings final : public FloorKnowledge {
   void forget_changes();
 
   [[nodiscard]] bool is_seen(Cell c) const override;
-  [[nodiscard]] bool is_suspect(Cell c) const override { return near_watch_.is_suspect(c, now_ns_); }
+  [[nodiscard]] bool is_suspect(Cell c) const override {
+    return near_watch_.is_suspect(c, now_ns_) || passers_.is_there(c, now_ns_);
+  }
 
  private:
   void mark_touches_with(const Waypoint& touch, std::size_t others);
@@ -80,6 +94,11 @@ class Surroundings final : public FloorKnowledge {
   BodyTrace trace_;
   LowView low_view_;
   NearWatch near_watch_;
+  MovedLately moved_;
+  DepthScan scan_;
+  Passers passers_;
+  FloorSteps steps_;
+  bool has_frames_ = false;  ///< else the map alone has to say where the camera looked
   TimeNs now_ns_ = 0;
   std::vector<Waypoint> touches_;
   bool has_closed_ = false;

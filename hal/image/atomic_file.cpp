@@ -6,11 +6,14 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
+
+#include "hal/disk.hpp"
 
 namespace g3d::hal {
 namespace {
@@ -25,10 +28,14 @@ std::string folder_of(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
+std::uint32_t checksum_of(std::uint32_t before, std::span<const std::uint8_t> bytes) {
+  return static_cast<std::uint32_t>(::crc32_z(before, bytes.data(), bytes.size()));
+}
+
 // Returns 0 or errno.
 int write_all(int fd, const std::uint8_t* data, std::size_t size_bytes) {
   while (size_bytes > 0) {
-    const ssize_t n = ::write(fd, data, size_bytes);
+    const ssize_t n = disk().write(fd, data, size_bytes);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return errno;
     data += n;
@@ -39,9 +46,9 @@ int write_all(int fd, const std::uint8_t* data, std::size_t size_bytes) {
 
 // The rename itself must survive a power cut, not only the bytes.
 int sync_folder(const std::string& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int fd = disk().open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0);
   if (fd < 0) return errno;
-  int failed = ::fsync(fd) == 0 ? 0 : errno;
+  int failed = disk().fsync(fd) == 0 ? 0 : errno;
   if (failed == EINVAL || failed == ENOTSUP) failed = 0;  // file systems that keep no folders to sync
   ::close(fd);
   return failed;
@@ -95,7 +102,8 @@ Error system_error(const std::string& path, std::string_view what, int errno_val
 Result<AtomicFile> AtomicFile::create(const std::string& path) {
   const std::string part = part_of(path);
   for (;;) {
-    const int fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    // For reading as well: see what_came_back().
+    const int fd = disk().open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (fd < 0) return system_error(part, "cannot create", errno);
     // Other failures mean a file system without locks: then two writers at once are the user's affair.
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -107,7 +115,7 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
       ::close(fd);
       continue;
     }
-    if (::ftruncate(fd, 0) != 0) {
+    if (disk().ftruncate(fd, 0) != 0) {
       const int failed = errno;
       ::close(fd);
       return system_error(part, "cannot empty", failed);
@@ -127,6 +135,7 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
       fd_(std::exchange(other.fd_, -1)),
       buffer_(std::move(other.buffer_)),
       buffered_bytes_(other.buffered_bytes_),
+      checksum_(other.checksum_),
       bytes_written_(other.bytes_written_),
       error_(std::move(other.error_)) {}
 
@@ -145,6 +154,7 @@ Result<void> AtomicFile::flush() {
 Result<void> AtomicFile::write(std::span<const std::uint8_t> bytes) {
   if (fd_ < 0) return error_;
   bytes_written_ += bytes.size();
+  checksum_ = checksum_of(checksum_, bytes);
   while (!bytes.empty()) {
     const std::size_t n = std::min(bytes.size(), kBuffer_bytes - buffered_bytes_);
     std::memcpy(buffer_.get() + buffered_bytes_, bytes.data(), n);
@@ -161,11 +171,36 @@ Result<void> AtomicFile::write(std::string_view text) {
   return write(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
+// A disk that fails may take bytes and keep others. The kernel's own copy of what is safe is given up first, so that it
+// is the disk that answers, as far as anybody can ask it to.
+Result<void> AtomicFile::check_what_came_back() {
+  (void)::posix_fadvise(fd_, 0, 0, POSIX_FADV_DONTNEED);
+  std::uint32_t checksum = 0;
+  std::uint64_t offset = 0;
+  while (offset < bytes_written_) {
+    const std::size_t wanted = std::min<std::uint64_t>(kBuffer_bytes, bytes_written_ - offset);
+    const ssize_t n = disk().pread(fd_, buffer_.get(), wanted, static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail("cannot be read back", errno);
+    if (n == 0) break;
+    checksum = checksum_of(checksum, {buffer_.get(), static_cast<std::size_t>(n)});
+    offset += static_cast<std::uint64_t>(n);
+  }
+  if (offset == bytes_written_ && checksum == checksum_) return {};
+  error_ = {
+      Reason::bad_checksum,
+      fmt::format("{}: what was read back is not what was written; the disk fails, choose a folder on another one",
+                  path_)};
+  abandon();
+  return error_;
+}
+
 Result<void> AtomicFile::commit() {
   if (fd_ < 0) return error_;
   if (Result<void> flushed = flush(); !flushed) return flushed;
-  if (::fsync(fd_) != 0) return fail("cannot write", errno);
-  if (::rename(part_of(path_).c_str(), path_.c_str()) != 0) return fail("cannot replace", errno);
+  if (disk().fsync(fd_) != 0) return fail("cannot write", errno);
+  if (Result<void> read_back = check_what_came_back(); !read_back) return read_back;
+  if (disk().rename(part_of(path_).c_str(), path_.c_str()) != 0) return fail("cannot replace", errno);
   ::close(std::exchange(fd_, -1));
   if (const int failed = sync_folder(folder_of(path_)); failed != 0) {
     error_ = system_error(path_, "cannot sync its folder", failed);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A file that is either the old one or the whole new one, whenever the process is killed or the disk is full: written
-// as `PATH.part`, then fsync, rename over PATH, fsync of the folder. A left-over part of a killed process is reused.
+// as `PATH.part`, then fsync, read back and compared, renamed over PATH, fsync of the folder. A left-over part of a
+// killed process is reused.
 #pragma once
 
 #include <cstddef>
@@ -37,12 +38,14 @@ class AtomicFile {
  private:
   AtomicFile(std::string path, int fd);
   Result<void> flush();
+  Result<void> check_what_came_back();
   Error fail(std::string_view what, int errno_value);
 
   std::string path_;
   int fd_ = -1;
   std::unique_ptr<std::uint8_t[]> buffer_;
   std::size_t buffered_bytes_ = 0;
+  std::uint32_t checksum_ = 0;  ///< CRC-32 of all that was to be written
   std::uint64_t bytes_written_ = 0;
   Error error_;  // what write and commit answer while fd_ is closed
 };

@@ -49,6 +49,7 @@ void BaseDriver::on_feedback(const Feedback& feedback) {
   flags.battery_low = battery_.level() != BatteryLevel::healthy;
   flags.battery_empty = battery_.level() == BatteryLevel::critical;
   flags.dead_wheel = odometry_.wheel_is_dead() || odometry_.is_stalled();
+  flags.wheels_count = !flags.dead_wheel && odometry_.are_both_rolling();
   flags.wrong_firmware = reader_.info().has_firmware && reader_.info().firmware[0] != kFirmwareMajor;
   flags.age_ns = age_ns;
   note_packet(latches_, flags, feedback.received_ns, options_.times);
@@ -95,6 +96,10 @@ void BaseDriver::judge_now(TimeNs now_ns) {
   state_.conditions = conditions_at(latches_, now_ns, options_.times);
   state_.verdict = judge(state_.conditions);
   state_.was_ready |= state_.verdict.allowance.forward_mps > 0.0;
+  if (state_.was_ready && state_.verdict.reason != Condition::count_) {
+    state_.last_reason = state_.verdict.reason;
+    state_.last_reason_ns = now_ns;
+  }
   for (std::size_t i = 0; i < kConditionCount; ++i) {
     const auto condition = static_cast<Condition>(i);
     state_.began[i] += state_.was_ready && state_.conditions.has(condition) && !before.has(condition);
@@ -111,6 +116,7 @@ void BaseDriver::judge_now(TimeNs now_ns) {
   state_.battery_level = battery_.level();
   state_.battery_v = battery_.voltage_v();
   state_.battery_charge = battery_.charge();
+  state_.energy_left_s = battery_.left_s();
   state_.power = battery_.source();
   state_.device = reader_.info();
   state_.rejects = reader_.rejects();

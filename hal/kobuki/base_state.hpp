@@ -30,11 +30,15 @@ struct BaseState {
   std::uint8_t cliff = 0;       ///< kCliff*, the same
   std::uint8_t wheel_drop = 0;  ///< kWheelDrop*, the same
   bool was_ready = false;       ///< has been allowed to drive at least once
+  /// What limited forward motion last since it was first ready, and when that was; `count_`: nothing yet.
+  Condition last_reason = Condition::count_;
+  TimeNs last_reason_ns = 0;
 
   // Device
   BatteryLevel battery_level = BatteryLevel::healthy;
   double battery_v = 0.0;
   double battery_charge = 0.0;  ///< 0..1
+  double energy_left_s = 0.0;   ///< of driving, until the battery is empty; may be infinite
   PowerSource power = PowerSource::battery;
   DeviceInfo device;
   std::uint8_t buttons = 0;

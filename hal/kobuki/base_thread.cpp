@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "hal/linux/cpu_time.hpp"
+
 namespace g3d::hal::kobuki {
 
 BaseThread::BaseThread(ByteLine& line, Clock& clock, const BaseThreadOptions& options, LineGuard* guard,
@@ -51,6 +53,7 @@ void BaseThread::run() {
     clock_.sleep_until(std::min(now_ns + options_.poll_ns, due_ns));
   }
   say_farewell();
+  cpu_ns_ = thread_cpu_ns();
 }
 
 void BaseThread::take_wishes() {

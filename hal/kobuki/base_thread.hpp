@@ -61,6 +61,8 @@ class BaseThread {
   }
   void resume() { resumes_.fetch_add(1, std::memory_order_release); }
 
+  /// Used by the thread, after stop().
+  [[nodiscard]] std::int64_t cpu_ns() const { return cpu_ns_; }
   [[nodiscard]] const Latest<BaseState>& state() const { return state_; }
   [[nodiscard]] const Latest<PoseHistory>& poses() const { return poses_; }
   [[nodiscard]] const Latest<BaseThreadHealth>& health() const { return health_; }
@@ -96,6 +98,7 @@ class BaseThread {
   BaseThreadHealth own_health_;
   std::uint64_t seen_command_ = 0;
   std::uint32_t seen_e_stops_ = 0, seen_resumes_ = 0;
+  std::int64_t cpu_ns_ = 0;
 
   Latest<BaseState> state_;
   Latest<PoseHistory> poses_;

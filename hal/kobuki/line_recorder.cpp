@@ -4,10 +4,13 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "hal/disk.hpp"
 
 namespace g3d::hal::kobuki {
 namespace {
@@ -25,9 +28,9 @@ Error file_error(const std::string& path, int error) {
       return {Reason::no_permission, what + "; choose another folder"};
     case ENOSPC:
     case EDQUOT:
-      return {Reason::disk_full, what + "; free some space, the recording is cut there"};
+      return {Reason::disk_full, what + "; free some space; the recording has a gap there"};
     default:
-      return {Reason::io_error, what};
+      return {Reason::io_error, what + "; check the disk, the recording has a gap there"};
   }
 }
 
@@ -36,8 +39,18 @@ constexpr std::size_t kHeader_bytes = sizeof(TimeNs) + sizeof(std::uint16_t);
 }  // namespace
 
 Result<std::unique_ptr<LineRecorder>> LineRecorder::create(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int fd = disk().open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (fd < 0) return file_error(path, errno);
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(fd);
+    return Error{Reason::no_permission, path + ": another robot is recording there; choose another folder"};
+  }
+  // What is no plain file (a pipe) has nothing to be emptied of.
+  if (disk().ftruncate(fd, 0) != 0 && errno != EINVAL) {
+    const int error = errno;
+    ::close(fd);
+    return file_error(path, error);
+  }
   return std::unique_ptr<LineRecorder>(new LineRecorder(path, fd));
 }
 
@@ -72,15 +85,30 @@ void LineRecorder::write_one(const Chunk& chunk) {
   record[9] = static_cast<std::uint8_t>(chunk.size >> 8);
   std::copy_n(chunk.bytes.begin(), chunk.size, record.begin() + kHeader_bytes);
 
-  // After half a record nothing may follow: the reader could not find the next one.
   std::size_t done = 0;
   const std::size_t size = kHeader_bytes + chunk.size;
-  while (first_errno_ == 0 && done < size) {
-    const ssize_t count = ::write(fd_, record.data() + done, size - done);
+  bool is_refused = ends_in_half_a_record_ && !cut_to_whole_records();
+  while (!is_refused && done < size) {
+    const ssize_t count = disk().write(fd_, record.data() + done, size - done);
     if (count > 0) done += static_cast<std::size_t>(count);
-    if (count < 0 && errno != EINTR) first_errno_ = errno;
+    if (count < 0 && errno != EINTR) {
+      if (first_errno_ == 0) first_errno_ = errno;
+      is_refused = true;
+    }
   }
-  if (done < size) lost_bytes_.fetch_add(chunk.size, std::memory_order_relaxed);
+  if (!is_refused) {
+    whole_bytes_ += static_cast<std::int64_t>(size);
+    return;
+  }
+  lost_bytes_.fetch_add(chunk.size, std::memory_order_relaxed);
+  ends_in_half_a_record_ |= done > 0;
+}
+
+// After half a record nothing may follow: the reader could not find the next one.
+bool LineRecorder::cut_to_whole_records() {
+  ends_in_half_a_record_ =
+      disk().ftruncate(fd_, whole_bytes_) != 0 || ::lseek(fd_, whole_bytes_, SEEK_SET) != whole_bytes_;
+  return !ends_in_half_a_record_;
 }
 
 Result<void> LineRecorder::finish() {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What came over the base's line, as it came, into `kobuki.bin`: records of i64 t_ns, u16 n, n bytes, little-endian.
 // The thread at the line only fills a ring; a thread of its own writes, so that a slow or full disk costs records,
-// which are counted, and never a tick. What was written survives the death of the process.
+// which are counted, and never a tick; once it takes records again they follow whole. What was written survives the
+// death of the process.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ namespace g3d::hal::kobuki {
 
 class LineRecorder {
  public:
-  /// Starts an empty file and the thread. Errors: not_found, no_permission, io_error.
+  /// Starts an empty file and the thread. Errors: not_found, no_permission (also while another one writes it),
+  /// io_error.
   [[nodiscard]] static Result<std::unique_ptr<LineRecorder>> create(const std::string& path);
   ~LineRecorder();
   LineRecorder(const LineRecorder&) = delete;
@@ -46,13 +48,17 @@ class LineRecorder {
   LineRecorder(std::string path, int fd);
   void write_all();
   void write_one(const Chunk& chunk);
+  [[nodiscard]] bool cut_to_whole_records();
 
   const std::string path_;
   int fd_;
   Ring<Chunk> ring_{kChunks};
   Parking writer_waits_;
   std::atomic<std::uint64_t> lost_bytes_{0};
-  int first_errno_ = 0;  // the writer's, read after it was joined
+  // The writer's, read after it was joined
+  int first_errno_ = 0;
+  std::int64_t whole_bytes_ = 0;
+  bool ends_in_half_a_record_ = false;
   std::thread writer_;
 };
 

@@ -26,6 +26,7 @@ constexpr int kDriftKnown_cdeg = 5;
 constexpr int kDriftMemory_ms = 60'000;
 /// A driven wheel has at least this much PWM; captured bases roll at 13.
 constexpr int kDriven_pwm = 8;
+constexpr double kRolling_mps = 0.1;
 /// The other wheel's way that makes a silent one suspicious: 17 mm.
 constexpr int kSuspicious_ticks = 200;
 
@@ -118,10 +119,14 @@ void Odometry::move(const Step& step) {
 void Odometry::watch_wheels(const Step& step, const Feedback& feedback) {
   watch_wheel(left_, Wheel::left, step.left_ticks, step.right_ticks, feedback.left_pwm, step);
   watch_wheel(right_, Wheel::right, step.right_ticks, step.left_ticks, feedback.right_pwm, step);
+  both_ticked_ = step.left_ticks != 0 && step.right_ticks != 0;
   const bool is_pushing = std::abs(int{feedback.left_pwm}) >= kDriven_pwm &&
                           std::abs(int{feedback.right_pwm}) >= kDriven_pwm && step.left_ticks == 0 &&
                           step.right_ticks == 0;
   stalled_ms_ = is_pushing ? std::min(stalled_ms_ + step.elapsed_ms, kPatience_ms) : 0;
+  if (stalled_ms_ > 0) return;
+  const int ticks = std::max(std::abs(step.left_ticks), std::abs(step.right_ticks));
+  rolled_before_ = ticks * kMetresPerTick * 1000.0 >= kRolling_mps * step.elapsed_ms;
 }
 
 void Odometry::watch_wheel(Suspicion& suspicion, Wheel wheel, int ticks, int other_ticks, int pwm, const Step& step) {

@@ -42,8 +42,13 @@ class Odometry {
   /// silent one: its encoder, or the cable, is dead. Reported after 0.5 s, until it ticks again.
   [[nodiscard]] bool wheel_is_dead() const { return dead_wheel_ != Wheel::none; }
   [[nodiscard]] Wheel dead_wheel() const { return dead_wheel_; }
-  /// Both wheels are driven and neither has ticked for 0.5 s: the base pushes against something.
-  [[nodiscard]] bool is_stalled() const { return stalled_ms_ >= kPatience_ms; }
+  /// Both wheels are driven and neither has ticked for 0.5 s, or for 0.2 s after they rolled: the base pushes against
+  /// something, or neither encoder counts.
+  [[nodiscard]] bool is_stalled() const {
+    return stalled_ms_ >= (rolled_before_ ? kPatienceAfterRolling_ms : kPatience_ms);
+  }
+  /// Both wheels have ticked in the last step.
+  [[nodiscard]] bool are_both_rolling() const { return both_ticked_; }
   /// What the gyro turns by itself, as seen at rest; 0 until the base has rested for 5 s in all and there is
   /// more than rounding.
   [[nodiscard]] double gyro_drift_cdegps() const;
@@ -51,6 +56,8 @@ class Odometry {
 
  private:
   static constexpr int kPatience_ms = 500;
+  // From rest it may take its time until a wheel turns; no base stops from one packet to the next and stays driven.
+  static constexpr int kPatienceAfterRolling_ms = 200;
   struct Step {
     int elapsed_ms = 0;
     int left_ticks = 0, right_ticks = 0;
@@ -75,6 +82,8 @@ class Odometry {
   int at_rest_ms_ = 0;
   int drift_cdeg_ = 0, drift_ms_ = 0;  // what the gyro said at rest, in how long
   int stalled_ms_ = 0;
+  bool both_ticked_ = false;
+  bool rolled_before_ = false;  // at 0.1 m/s or more, in the step before the wheels stopped
   Suspicion left_, right_;
   Wheel dead_wheel_ = Wheel::none;
   OdometryCounts counts_;

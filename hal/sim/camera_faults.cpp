@@ -23,7 +23,8 @@ CameraFaults::CameraFaults(const CameraModel& camera, std::uint64_t seed) : came
   for (std::size_t i = 0; i < kDelay_frames; ++i) kept_.push_back(make_frame(camera));
 }
 
-void CameraFaults::set(CameraFault fault) {
+void CameraFaults::set(FaultKind fault) {
+  if (fault == fault_) return;
   fault_ = fault;
   since_ = 0;
 }
@@ -31,30 +32,32 @@ void CameraFaults::set(CameraFault fault) {
 bool CameraFaults::apply(Frame& frame) {
   const std::uint64_t number = since_++;
   switch (fault_) {
-    case CameraFault::none:
+    case FaultKind::none:
       return true;
-    case CameraFault::off:
+    case FaultKind::off:
       return false;
-    case CameraFault::stuck:
+    case FaultKind::stuck:
       if (number == 0) copy_image(camera_, frame, kept_.front());
       copy_image(camera_, kept_.front(), frame);
       return true;
-    case CameraFault::garbage:
+    case FaultKind::garbage:
       std::generate_n(frame.depth.get(), camera_.pixel_count(),
                       [this] { return static_cast<std::uint16_t>(random_.bits() % kFarthest_mm); });
       return true;
-    case CameraFault::wrong:
+    case FaultKind::wrong:
       std::transform(frame.depth.get(), frame.depth.get() + camera_.pixel_count(), frame.depth.get(),
                      [](std::uint16_t raw) { return static_cast<std::uint16_t>(std::min(raw * 3 / 2, 65535)); });
       return true;
-    case CameraFault::slow:
+    case FaultKind::slow:
       return number % kEvery == 0;
-    case CameraFault::delayed:
+    case FaultKind::delayed:
       // What goes into the ring now comes out a round later.
       std::swap(frame, kept_[number % kDelay_frames]);
       return number >= kDelay_frames;
-    case CameraFault::intermittent:
+    case FaultKind::intermittent:
       return number / kEvery % 2 == 1;
+    case FaultKind::count_:
+      break;
   }
   return true;
 }

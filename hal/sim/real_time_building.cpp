@@ -25,6 +25,7 @@ RealTimeBuilding::RealTimeBuilding(World world, const SimBuildingOptions& option
       period_ns_(options.step_ns),
       building_(std::move(world), options),
       ptys_(std::move(ptys)),
+      lines_up_(ptys_.size(), true),
       thread_([this] { run(); }) {}
 
 RealTimeBuilding::~RealTimeBuilding() {
@@ -40,9 +41,22 @@ void RealTimeBuilding::run() {
       latest_step_ns_.store(late_ns, std::memory_order_relaxed);
     }
     const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < ptys_.size(); ++i) join_line(i);
     for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
     building_.advance_to(due_ns - begin_ns_);
     for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
+  }
+}
+
+// A planned fault that pulls the cable out takes the host's port away as well.
+void RealTimeBuilding::join_line(std::size_t robot) {
+  const bool is_up = building_.line(robot).state() == LineState::up;
+  if (is_up == lines_up_[robot]) return;
+  lines_up_[robot] = is_up;
+  if (!is_up) {
+    ptys_[robot].pull_out();
+  } else if (!ptys_[robot].plug_in()) {
+    lines_up_[robot] = false;  // no terminal is free: again at the next step
   }
 }
 
@@ -73,6 +87,7 @@ CameraRead RealTimeBuilding::Camera::read(Frame& out) {
     building_.building_.render(robot_, glance_, out);
     out.stamp_ns += building_.begin_ns_;
     out.sequence = next_;
+    if (!building_.building_.pass_on(robot_, out, glance_.time_ns)) continue;
     return {CameraEvent::frame, {}};
   }
 }

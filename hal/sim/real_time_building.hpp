@@ -63,6 +63,7 @@ class RealTimeBuilding {
  private:
   RealTimeBuilding(World world, const SimBuildingOptions& options, Clock& clock, std::vector<PtyKobuki> ptys);
   void run();
+  void join_line(std::size_t robot);
 
   Clock& clock_;
   TimeNs begin_ns_;
@@ -70,6 +71,7 @@ class RealTimeBuilding {
   std::mutex mutex_;  ///< guards building_ and ptys_
   SimBuilding building_;
   std::vector<PtyKobuki> ptys_;
+  std::vector<bool> lines_up_;  ///< the thread's
   std::atomic<bool> stop_{false};
   std::atomic<TimeNs> latest_step_ns_{0};  ///< written by the thread alone
   std::thread thread_;

@@ -94,7 +94,12 @@ SimBuilding::SimBuilding(World world, const SimBuildingOptions& options)
     renderer.threads = options.threads;
     robots_.push_back(
         std::make_unique<Robot>(floor_, world_, static_cast<std::int32_t>(people_ + i), options.robots[i], renderer));
-    take_place(*robots_.back());
+    Robot& robot = *robots_.back();
+    robot.trouble = base_trouble_at({}, 0, robot.options.base);
+    if (has_fault_of(options.faults, FaultPart::camera)) {
+      robot.spoiled = std::make_unique<CameraFaults>(options.camera, renderer.seed);
+    }
+    take_place(robot);
   }
   for (const auto& robot : robots_) {
     robot->body.place(robot->options.T_world_base, places_m_);
@@ -121,9 +126,26 @@ void SimBuilding::step() {
     robot->body.step(dt_s, places_m_);
     take_place(*robot);
     keep_record(*robot, speed_before_mps);
+    if (!options_.faults.empty()) spoil(*robot);
     robot->kobuki.sense(robot->body);
     robot->kobuki.advance_to(now_ns_);
   }
+}
+
+// Only what changes is told, so that others may set faults as well.
+void SimBuilding::spoil(Robot& robot) {
+  const BaseTrouble trouble = base_trouble_at(options_.faults, now_ns_, robot.options.base);
+  if (trouble == robot.trouble) return;
+  robot.trouble = trouble;
+  robot.kobuki.set_faults(trouble.faults);
+  robot.kobuki.set_noise(trouble.to_host, trouble.to_base);
+}
+
+bool SimBuilding::pass_on(std::size_t robot, Frame& frame, TimeNs time_ns) {
+  CameraFaults* const spoiled = robots_[robot]->spoiled.get();
+  if (spoiled == nullptr) return true;
+  spoiled->set(fault_at(options_.faults, FaultPart::camera, time_ns).kind);
+  return spoiled->apply(frame);
 }
 
 void SimBuilding::take_place(const Robot& robot) {

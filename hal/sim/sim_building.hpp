@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "hal/messages.hpp"
+#include "hal/sim/base_trouble.hpp"
+#include "hal/sim/camera_faults.hpp"
 #include "hal/sim/camera_memory.hpp"
 #include "hal/sim/floor_contact.hpp"
 #include "hal/sim/robot_body.hpp"
@@ -45,6 +47,7 @@ struct SimBuildingOptions {
   int threads = 1;             ///< for each camera
   TimeNs step_ns = 2'000'000;  ///< 1 to 5 ms; divides 20 ms
   std::vector<SimRobotOptions> robots;
+  FaultPlan faults;  ///< of each robot's camera, odometry and line; a disk is not in the building
 };
 
 /// One touch, from its beginning until 1 cm is between the two again.
@@ -106,6 +109,9 @@ class SimBuilding {
   /// What a robot's camera sees now; frames are numbered per robot. `out` has storage for the camera. Allocates
   /// nothing.
   void render(std::size_t robot, Frame& out);
+  /// What the planned faults make of a rendered frame, at the building's time; false: the host gets none. One call for
+  /// each frame, and not while another thread renders for the same robot.
+  [[nodiscard]] bool pass_on(std::size_t robot, Frame& frame, TimeNs time_ns);
   [[nodiscard]] const CameraModel& camera() const { return options_.camera; }
 
   [[nodiscard]] const World& world() const { return *world_; }
@@ -123,6 +129,8 @@ class SimBuilding {
     SimKobuki kobuki;
     SimRenderer renderer;
     CameraMemory memory;
+    std::unique_ptr<CameraFaults> spoiled;  ///< only where faults of the camera are planned
+    BaseTrouble trouble;
     std::uint64_t next_frame = 0;
     Glance glance;
     bool in_contact = false;
@@ -133,6 +141,7 @@ class SimBuilding {
   };
 
   void step();
+  void spoil(Robot& robot);
   void take_place(const Robot& robot);
   void keep_record(Robot& robot, double speed_before_mps);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/cpu/thread_pool.hpp"
 
+#include "hal/linux/cpu_time.hpp"
+
 namespace g3d::mapper::cpu {
 namespace {
 
@@ -23,6 +25,12 @@ ThreadPool::~ThreadPool() {
   wake_.fetch_add(1, std::memory_order_release);
   wake_.notify_all();
   for (std::thread& worker : workers_) worker.join();
+}
+
+std::int64_t ThreadPool::workers_cpu_ns() {
+  std::int64_t sum_ns = 0;
+  for (std::thread& worker : workers_) sum_ns += hal::cpu_ns_of(worker.native_handle());
+  return sum_ns;
 }
 
 void ThreadPool::run(std::uint32_t chunks, Function function, void* context) {

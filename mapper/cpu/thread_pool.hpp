@@ -22,6 +22,9 @@ class ThreadPool {
 
   [[nodiscard]] int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
+  /// CPU time of all workers so far, without the caller's. Any thread.
+  [[nodiscard]] std::int64_t workers_cpu_ns();
+
   /// Calls body(chunk) once for every chunk in [0, chunks), in any order and on any thread; returns when all are done.
   template <typename Body>
   void parallel_for(std::uint32_t chunks, Body&& body) {

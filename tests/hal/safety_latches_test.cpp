@@ -142,6 +142,26 @@ TEST_CASE("Over-current stands for half a second after it, a dead wheel for one"
   }
 }
 
+TEST_CASE("A dead wheel is tried less and less often, until both have rolled") {
+  Bench bench = running();
+  PacketFlags dead, rolling;
+  dead.dead_wheel = true;
+  rolling.wheels_count = true;
+  for (const int wait : {50, 100, 200, 400, 800, 1600, 1600}) {
+    bench.step(dead);
+    bench.steps(wait - 1);
+    CHECK(bench.has(Condition::dead_wheel));
+    bench.steps(1);
+    CHECK(bench.now().none());
+  }
+  bench.step(rolling);
+  bench.step(dead);
+  bench.steps(49);
+  CHECK(bench.has(Condition::dead_wheel));
+  bench.steps(1);
+  CHECK(bench.now().none());
+}
+
 TEST_CASE("The battery must agree for a second") {
   for (const bool empty : {false, true}) {
     const Condition condition = empty ? Condition::battery_empty : Condition::battery_low;
@@ -271,7 +291,7 @@ TEST_CASE("The rear is unknown unless somebody says otherwise") {
 
 TEST_CASE("Everything at once, and each goes its own way") {
   Bench bench = running();
-  PacketFlags all{true, true, true, true, true, true, true, true, 1000 * kMs};
+  PacketFlags all{true, true, true, true, true, true, true, false, true, 1000 * kMs};
   note_e_stop(bench.latches, true);
   bench.step(all);
   bench.base = bench.command = bench.camera = bench.thread = false;

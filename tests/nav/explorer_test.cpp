@@ -70,7 +70,7 @@ TEST_CASE("it begins with a look around and ends where it began") {
   CHECK(d.kind == DecisionKind::goal);
   CHECK(d.left.open > 0);
   CHECK_FALSE(explorer.frontier_cells().empty());
-  explorer.return_home();
+  explorer.return_home(false);
   d = tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, {1.0, 1.0, 0.0}, 3 * kSecond);
   CHECK(d.kind == DecisionKind::go_home);
   CHECK(d.is_new);
@@ -109,7 +109,7 @@ TEST_CASE("a way home that keeps failing ends too") {
   Run run("house");
   Explorer explorer{ExplorerConfig{}};
   (void)tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, run.start, 0);
-  explorer.return_home();
+  explorer.return_home(false);
   Decision d = tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, {1.0, 1.0, 0.0}, kSecond);
   for (int i = 0; i < 3; ++i) {
     REQUIRE(d.kind == DecisionKind::go_home);
@@ -128,6 +128,23 @@ TEST_CASE("a low battery ends exploration early") {
   const Decision d = tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, run.start, 0);
   CHECK(d.kind != DecisionKind::goal);
   CHECK(d.left[LeftReason::energy] > 0);
+}
+
+TEST_CASE("who is sent home for the battery's sake says so of all that is still open") {
+  for (const bool for_energy : {false, true}) {
+    Run run("house");
+    ExplorerConfig config;
+    config.look_around_first = false;
+    Explorer explorer(config);
+    const Decision before = tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, run.start, 0);
+    REQUIRE(before.kind == DecisionKind::goal);
+    REQUIRE(before.left.open > 0);
+    explorer.return_home(for_energy);
+    const Decision after = tests::decide_at_once(explorer, run.sim->ground(), run.sim->cost(), {}, run.start, kSecond);
+    CHECK(after.kind != DecisionKind::goal);
+    CHECK(after.left.open == (for_energy ? 0 : before.left.open));
+    CHECK(after.left[LeftReason::energy] == (for_energy ? before.left.open : 0));
+  }
 }
 
 TEST_CASE("it stays within the area, and what lies beyond is named so") {

@@ -7,6 +7,7 @@
 #include "mapper/mapper.hpp"
 #include "tests/support/plain_ground.hpp"
 #include "tests/support/sample_maps.hpp"
+#include "tests/support/voxel_floor.hpp"
 #include "tests/support/workload.hpp"
 
 using namespace g3d;
@@ -281,4 +282,23 @@ TEST_CASE("The square lies around the start, on whole blocks") {
   CHECK(states.columns * 0.04 == Approx(10.08));
   CHECK(std::abs(states.origin_x_m + 5.04 - 21.3) < 0.09);
   CHECK(std::abs(states.origin_y_m + 5.04 + 7.9) < 0.09);
+}
+
+TEST_CASE("A step is occupied, whatever the voxels say, until it is none any more") {
+  tests::VoxelFloor voxels({-3, -3, 4, 3});
+  nav::GroundMapConfig config;
+  config.side_m = 12.8;
+  nav::GroundMap ground(voxels.map().grid(), config);
+  voxels.look(tests::KinematicRobot({}, {}));
+  ground.update(voxels.map(), voxels.changed_slots());
+  const nav::Cell c = ground.states().cell_of(1.52, 0.01);
+  REQUIRE(ground.states().at(c) == nav::CellState::free);
+  ground.mark_step(c, true);
+  CHECK(ground.states().at(c) == nav::CellState::occupied);
+  CHECK(ground.changed_cells().back() == ground.states().index(c));
+  ground.forget_contacts();
+  CHECK(ground.states().at(c) == nav::CellState::occupied);
+  ground.mark_step(c, false);
+  CHECK(ground.states().at(c) == nav::CellState::free);
+  ground.mark_step({-1, 0}, true);  // outside: nothing
 }

@@ -3,6 +3,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
+
+#include "hal/frame_pool.hpp"
+#include "hal/sim/sim_building.hpp"
+#include "hal/sim/world_file.hpp"
 
 using namespace g3d;
 using nav::CellState;
@@ -53,5 +58,32 @@ TEST_CASE("Nothing is seen behind what is occupied or unknown") {
     CHECK(sees(view, floor, 0.85, 0.0));
     CHECK_FALSE(sees(view, floor, 0.92, 0.0));
     CHECK_FALSE(sees(view, floor, 1.1, 0.0));
+  }
+}
+
+TEST_CASE("With a depth image only what is measured has been looked at") {
+  const Floor floor(0.05, -3.0, -3.0, 120, 120, CellState::free);
+  const auto look = [&](const std::string& solids) {
+    hal::SimBuildingOptions options;
+    options.camera = hal::scaled_kinect(160, 120);
+    options.robots.emplace_back();
+    hal::SimBuilding building(hal::parse_world("floor 0 0 0 20 20 0.1\n" + solids, "w").value(), options);
+    hal::Frame frame = hal::make_frame(options.camera);
+    building.render(0, frame);
+    nav::DepthScan scan({});
+    scan.look(frame, options.camera);
+    nav::LowView view(floor, {});
+    view.look(floor, {}, &scan);
+    return view;
+  };
+  const nav::LowView free = look("");
+  for (double x = 0.82; x < 1.25; x += 0.05) CHECK(sees(free, floor, x, 0.0));
+  CHECK_FALSE(sees(free, floor, 0.6, 0.0));
+  // Black things that hide the floor, high and low ones; the map cannot know of them.
+  for (const char* height : {"1.2", "0.3"}) {
+    const nav::LowView black = look(std::string("box 1.4 0 0  0.9 0.6 ") + height + " dark\n");  // from x = 0.95 on
+    CHECK_FALSE(sees(black, floor, 1.0, 0.0));
+    CHECK_FALSE(sees(black, floor, 1.2, 0.0));
+    CHECK(sees(black, floor, 1.1, 0.48));
   }
 }

@@ -19,6 +19,7 @@ struct Scene {
   hal::Frame frame;
   nav::CellGrid<CellState> floor{0.05, -3.0, -3.0, 120, 120, CellState::free};
   nav::NearWatch watch{floor, {}};
+  nav::MovedLately moved{floor};
 
   Scene() {
     camera.width_px = 160;
@@ -37,7 +38,9 @@ struct Scene {
       }
     }
   }
-  void look(const hal::PlanarPose& pose = {}, hal::TimeNs now = 0) { watch.look(frame, camera, floor, pose, now); }
+  void look(const hal::PlanarPose& pose = {}, hal::TimeNs now = 0) {
+    watch.look(frame, camera, floor, moved, pose, now);
+  }
   [[nodiscard]] bool is_suspect(double x_m, double y_m, hal::TimeNs now = 0) const {
     return watch.is_suspect(floor.cell_of(x_m, y_m), now);
   }

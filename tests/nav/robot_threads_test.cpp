@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <functional>
 #include <mutex>
+#include <string>
 
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/reach.hpp"
@@ -191,6 +192,26 @@ TEST_CASE("a robot whose battery is low does not explore, it goes home", "[threa
     return status.state == MissionState::returning || status.state == MissionState::home;
   }));
   live.robot.stop();
+}
+
+TEST_CASE("people's words reach a robot that runs", "[threads]") {
+  Live live;
+  live.robot.start();
+  LiveStatus status;
+  REQUIRE(live.becomes_true([&] { return live.robot.status().read(status) > 2; }));
+  const auto says = [&](const char* word, const char* state) {
+    return live.becomes_true([&] { return live.robot.hotline().answer(word).find(state) != std::string::npos; });
+  };
+  CHECK(says("pause", "\"state\": \"paused\""));
+  CHECK(says("resume", "\"purpose\": \"starting\""));
+  CHECK(says("stop", "\"state\": \"stopped\""));
+  CHECK(says("home", "\"purpose\": \"returning\""));
+  live.robot.stop();
+  CHECK(live.robot.navigator().mission().state() == MissionState::stopped);
+  for (const ThreadTime& time : live.robot.thread_times()) {
+    INFO(time.name);
+    if (std::string(time.name) != "mapper_workers") CHECK(time.cpu_s > 0.0);
+  }
 }
 
 TEST_CASE("a robot that was never started stops, and one that was stopped is not started again", "[threads]") {

@@ -114,3 +114,15 @@ TEST_CASE("the navigator feels what the base says, in the world") {
   CHECK(view.cliff == 1);
   CHECK(view.verdict.state == hal::SafetyState::free);
 }
+
+TEST_CASE("A low battery is felt once, and what it still gives is told") {
+  Rig rig;
+  hal::kobuki::BaseState base;
+  base.energy_left_s = 321.0;
+  CHECK(rig.senses.feel(base).energy_left_s == 321.0);
+  CHECK_FALSE(rig.senses.feels_battery_low(base));
+  base.battery_level = hal::kobuki::BatteryLevel::low;
+  CHECK(rig.senses.feels_battery_low(base));
+  base.battery_level = hal::kobuki::BatteryLevel::critical;
+  CHECK_FALSE(rig.senses.feels_battery_low(base));
+}

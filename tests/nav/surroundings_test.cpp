@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "hal/frame_pool.hpp"
+#include "hal/sim/sim_building.hpp"
+#include "hal/sim/world_file.hpp"
+#include "mapper/mapper.hpp"
 #include "tests/support/voxel_floor.hpp"
 
 using namespace g3d;
@@ -145,4 +148,41 @@ TEST_CASE("A robot that is cut off may trust its own way, and goals are chosen b
 TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
   CHECK(nav::planning_radius_m(0.18, 0.05) > 0.18 + 0.025);
   CHECK(nav::planning_radius_m(0.18, 0.05) < 0.225);  // five cells from an obstacle's centre it fits
+}
+
+TEST_CASE("Somebody who walks across is in the way long before the map knows him", "[nav][surroundings]") {
+  // He comes from the left at a metre per second, 1.5 m before a robot that stands, and is gone again after 6 s.
+  hal::SimBuildingOptions options;
+  options.camera = hal::scaled_kinect(160, 120);
+  options.robots.emplace_back();
+  hal::SimBuilding building(
+      hal::parse_world("floor 0 0 0 16 16 0.1\nbox 3 0 0 0.2 8 2\nperson 1.8 0.2  0,1.7,3 6,1.7,-3\n", "w").value(),
+      options);
+  mapper::Mapper mapper({}, options.camera, {});
+  nav::SurroundingsConfig config;
+  config.ground.side_m = 12.8;
+  nav::Surroundings here(mapper.map().grid(), config);
+  hal::Frame frame = hal::make_frame(options.camera);
+  nav::ArcCheck arc(0.178, 0.01, 1.6, 0.05);
+  int in_the_way = 0, noticed = 0, in_map = 0;
+  for (hal::TimeNs now = 0; now < 7'000'000'000; now += 100'000'000) {
+    building.advance_to(now);
+    building.render(0, frame);
+    frame.stamp_ns = now;
+    here.on_pose({}, now);
+    (void)mapper.integrate(frame, building.T_world_camera(0));
+    here.on_map(mapper.map(), mapper.changed_slots(), {});
+    here.on_frame(frame, options.camera, {}, now);
+    if (std::fabs(building.mover_places_m()[0][1]) > 0.3F) continue;
+    ++in_the_way;
+    arc.gather(here.states(), {}, &here);
+    noticed += arc.look(0.0, 1.55).clear_m < 1.4 ? 1 : 0;
+    arc.gather(here.states(), {});
+    in_map += arc.look(0.0, 1.55).clear_m < 1.4 ? 1 : 0;
+  }
+  CHECK(in_the_way >= 5);
+  CHECK(noticed == in_the_way);
+  CHECK(in_map < in_the_way);
+  arc.gather(here.states(), {}, &here);
+  CHECK(arc.look(0.0, 1.55).clear_m > 1.5);  // and nobody is remembered where the camera has looked through since
 }

@@ -184,6 +184,13 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
       {{"--area", "0,0,1,1"}, "--robots 1"},
       {{"--drift", "1"}, "--robots 1"},
       {{"--camera", "160x120@10"}, "--robots 1"},
+      {{"--at", "1:pause"}, "--robots 1"},
+      {{"--fail", "line:off"}, "--robots 1"},
+      {{"--battery", "3"}, "--robots 1"},
+      {{"--robots", "1", "--at", "pause"}, "20:pause"},
+      {{"--robots", "1", "--at", "1:dance"}, "20:pause"},
+      {{"--robots", "1", "--fail", "wheel:off"}, "camera:stuck@20+5"},
+      {{"--robots", "1", "--battery", "0"}, "--battery"},
   };
   const TempFolder folder;
   for (const auto& [extra, named] : cases) {

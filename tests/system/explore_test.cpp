@@ -27,6 +27,22 @@ constexpr const char* kTwoRooms =
     "box 2 -0.4 0  0.8 0.8 0.7\n"
     "start -2 -0.5 60\n";
 
+/// Two rooms with a sill of 3 cm in one of two doorways, a cable duct of 3 cm across a part of one, and in its far part
+/// the floor lies 4 cm lower: the wheels would hang over that edge.
+constexpr const char* kSills =
+    "floor -0.5 0 0  7 5 0.2\n"
+    "floor 4 0 -0.04  2 5 0.2\n"
+    "box 0.5 0 2.4  9.2 5.2 0.1\n"
+    "box -4.05 0 -0.2  0.1 5.2 2.6\n"
+    "box 5.05 0 -0.2  0.1 5.2 2.6\n"
+    "box 0.5 2.55 -0.2  9.2 0.1 2.6\n"
+    "box 0.5 -2.55 -0.2  9.2 0.1 2.6\n"
+    "box -1.2 1.1 0  0.1 0.7 2.4\n"
+    "box -1.2 -1.35 0  0.1 2.3 2.4\n"
+    "box -1.2 0.25 0  0.1 0.9 0.03\n"
+    "box 1.4 -1.2 0  0.12 2.6 0.03\n"
+    "start -2.6 0.2 0\n";
+
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::vector<std::string> explore(const std::string& world, const std::string& out,
@@ -99,6 +115,22 @@ TEST_CASE("one world and seed give one map, way and report, on one core and on t
   CHECK(read_plain(one + "/exploration.png") == read_plain(two + "/exploration.png"));
   CHECK(report_text(one + "/report.json", "hash") != report_text(other + "/report.json", "hash"));
   CHECK(read_plain(one + "/trajectory.tum") != read_plain(other + "/trajectory.tum"));
+}
+
+TEST_CASE("sills, cable ducts and lower floor that voxels are too coarse for are seen, and left alone",
+          "[system][explore]") {
+  const TempFolder folder;
+  write_plain(folder / "sills.world", kSills);
+  const std::string out = folder / "out";
+  const ProgramResult result = run_g3dmap(explore(folder / "sills.world", out));
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const std::string report = read_plain(out + "/report.json");
+  CHECK(contains(report, "\"home\": true"));
+  CHECK_FALSE(contains(report, "\"t95_s\": null"));
+  CHECK(report_number(out + "/report.json", "collisions") == 0);
+  CHECK(report_number(out + "/report.json", "wheel_drop") == 0);
+  CHECK(report_number(out + "/report.json", "path_m") > 5);
 }
 
 TEST_CASE("an area limit keeps the robot on its side", "[system][explore]") {

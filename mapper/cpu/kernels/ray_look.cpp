@@ -274,7 +274,7 @@ bool find_ray(const RaySearch& search, const std::int32_t* voxel, bool strong) {
   const float middle_v =
       std::min(std::max(s.fy_px * t.y * inverse_z + s.cy_px, 0.0F), static_cast<float>(s.height_px - 1));
   const int probe_u = std::max(static_cast<int>(middle_u) - kLanes / 2 + 1, 0);
-  const int probe_v = static_cast<int>(std::floor(middle_v + 0.5F));
+  const int probe_v = static_cast<int>(2.0F * middle_v + 1.0F) / 2;
   if (any_passes(s, t, strong, probe_v, probe_u, std::min(probe_u + kLanes, s.width_px) - 1)) return true;
   PixelBox box{0, 0, s.width_px - 1, s.height_px - 1};
   if (t.z - s.half_z >= kNearest_cells) box = box_around(s, t);

@@ -5,10 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <vector>
 
+#include "hal/disk.hpp"
 #include "tests/support/temp_folder.hpp"
 
 using namespace g3d::hal;
@@ -128,4 +130,38 @@ TEST_CASE("A full disk is reported as such, with the remedy") {
   const Error error = system_error("map", "cannot write", ENOSPC);
   CHECK(error.reason == Reason::disk_full);
   CHECK(error.text.find("free some space") != std::string::npos);
+}
+
+TEST_CASE("What a disk does not give back as it was written does not replace the old file") {
+  class Forgetful final : public Disk {
+   public:
+    ssize_t pread(int fd, void* out, std::size_t size_bytes, off_t offset) override {
+      const ssize_t n = Disk::pread(fd, out, size_bytes, offset);
+      if (n > 0 && offset <= wrong_at && wrong_at < offset + n) static_cast<char*>(out)[wrong_at - offset] ^= 1;
+      return cut > 0 ? std::min<ssize_t>(n, std::max<off_t>(cut - offset, 0)) : n;
+    }
+    off_t wrong_at = -1;
+    off_t cut = 0;
+  } disk;
+  const DiskInstead instead(disk);
+  const TempFolder folder;
+  const std::string path = folder / "map";
+  write_plain(path, "old");
+  const std::string text(700'000, 'x');
+  const auto save = [&]() -> Result<void> {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    if (!file) return file.error();
+    if (Result<void> written = file.value().write(text); !written) return written;
+    return file.value().commit();
+  };
+  disk.wrong_at = 650'000;
+  CHECK(save().error().reason == Reason::bad_checksum);
+  disk.wrong_at = -1;
+  disk.cut = 600'000;
+  CHECK(save().error().reason == Reason::bad_checksum);
+  CHECK(read_plain(path) == "old");
+  CHECK(folder.listing() == "map\n");
+  disk.cut = 0;
+  CHECK(save().ok());
+  CHECK(read_plain(path) == text);
 }

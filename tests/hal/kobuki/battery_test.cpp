@@ -83,4 +83,50 @@ TEST_CASE("where the power comes from") {
 
 TEST_CASE("levels have names") { CHECK(std::string(to_string(BatteryLevel::critical)) == "critical"); }
 
+/// One reading a second is as good as fifty.
+void drain(Battery& battery, double from_v, double to_v, int seconds, g3d::hal::TimeNs& now_ns) {
+  Feedback feedback;
+  for (int i = 0; i < seconds * 50; ++i) {
+    const double volts = from_v + (to_v - from_v) * i / (seconds * 50);
+    feedback.battery_decivolts = static_cast<std::uint8_t>(volts * 10.0 + 0.5);
+    feedback.received_ns = now_ns += 20'000'000;
+    battery.update(feedback);
+  }
+}
+
+TEST_CASE("what is left goes by the life of a full one, until more is known") {
+  Battery battery;
+  CHECK(battery.left_s() > 1e9);
+  g3d::hal::TimeNs now_ns = 0;
+  drain(battery, 16.5, 16.5, 10, now_ns);
+  CHECK(battery.left_s() == Approx(3.0 * 3600.0));
+  drain(battery, 14.85, 14.85, 60, now_ns);  // half of the voltage between full and critical
+  CHECK(battery.left_s() < 0.5 * 3.0 * 3600.0 + 60.0);
+}
+
+TEST_CASE("a battery that drains fast is empty soon, and about when it says") {
+  Battery battery;
+  g3d::hal::TimeNs now_ns = 0;
+  drain(battery, 16.5, 14.85, 120, now_ns);
+  CHECK(battery.left_s() == Approx(120.0).margin(20.0));
+  drain(battery, 14.85, 13.4, 105, now_ns);
+  CHECK(battery.left_s() == Approx(15.0).margin(12.0));
+  drain(battery, 13.1, 13.1, 60, now_ns);
+  CHECK(battery.left_s() == 0.0);
+}
+
+TEST_CASE("motors that start are no drain, and a charger ends the worry") {
+  Battery battery;
+  g3d::hal::TimeNs now_ns = 0;
+  drain(battery, 16.2, 16.2, 20, now_ns);
+  drain(battery, 15.8, 15.8, 8, now_ns);
+  CHECK(battery.left_s() > 3600.0);
+  Feedback charging;
+  charging.battery_decivolts = 158;
+  charging.charger = 22;
+  charging.received_ns = now_ns += 20'000'000;
+  battery.update(charging);
+  CHECK(battery.left_s() > 1e9);
+}
+
 }  // namespace

@@ -7,10 +7,12 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "hal/disk.hpp"
 #include "hal/replay/kobuki_log.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -111,10 +113,50 @@ TEST_CASE("A disk that hangs costs records, not time", "[threads]") {
   ::close(reader);
 }
 
+TEST_CASE("A recording that is under way is not begun again by another", "[threads]") {
+  const test::TempFolder folder;
+  auto first = LineRecorder::create(folder / "kobuki.bin");
+  REQUIRE(first.ok());
+  first.value()->put(std::vector<std::uint8_t>(40, 1), 7);
+  CHECK(LineRecorder::create(folder / "kobuki.bin").error().reason == Reason::no_permission);
+  REQUIRE(first.value()->finish().ok());
+  CHECK(records_of(folder / "kobuki.bin").size() == 1);
+  CHECK(LineRecorder::create(folder / "kobuki.bin").ok());
+}
+
 TEST_CASE("A file that cannot be made says why") {
   const test::TempFolder folder;
   const auto recorder = LineRecorder::create(folder.path() + "/no/such/kobuki.bin");
   REQUIRE_FALSE(recorder.ok());
   CHECK(recorder.error().reason == Reason::not_found);
   CHECK(recorder.error().text.find("kobuki.bin") != std::string::npos);
+}
+
+TEST_CASE("After a disk that refused, or took half a record, whole ones follow", "[threads]") {
+  class Moody final : public hal::Disk {
+   public:
+    ssize_t write(int fd, const void* data, std::size_t size_bytes) override {
+      const int call = calls.fetch_add(1);
+      if (call == 1) return Disk::write(fd, data, size_bytes / 2);
+      if (call == 2 || call == 5) {
+        errno = ENOSPC;
+        return -1;
+      }
+      return Disk::write(fd, data, size_bytes);
+    }
+    std::atomic<int> calls{0};
+  } disk;
+  const hal::DiskInstead instead(disk);
+  const test::TempFolder folder;
+  auto recorder = LineRecorder::create(folder / "kobuki.bin");
+  REQUIRE(recorder.ok());
+  for (int i = 0; i < 6; ++i) {
+    recorder.value()->put(std::vector<std::uint8_t>(40, static_cast<std::uint8_t>(i)), i);
+  }
+  CHECK(recorder.value()->finish().error().reason == Reason::disk_full);
+  CHECK(recorder.value()->lost_bytes() == 80);
+  const std::vector<Record> records = records_of(folder / "kobuki.bin");
+  std::vector<TimeNs> stamps;
+  for (const Record& record : records) stamps.push_back(record.t_ns);
+  CHECK(stamps == std::vector<TimeNs>{0, 2, 3, 5});
 }

@@ -260,4 +260,26 @@ TEST_CASE("both wheels driven without a tick is a stall") {
   CHECK_FALSE(drive.odometry.is_stalled());
 }
 
+TEST_CASE("wheels that stop from one packet to the next and stay driven are a stall sooner") {
+  for (const int ticks : {10, 60}) {  // 0.04 and 0.26 m/s
+    Drive drive;
+    Feedback f = drive.last;
+    for (int i = 0; i < 20; ++i) {
+      f = packet_after(f, ticks, ticks);
+      f.left_pwm = f.right_pwm = 60;
+      drive.odometry.update(f);
+      CHECK(drive.odometry.are_both_rolling());
+    }
+    int packets = 0;
+    while (packets < 100 && !drive.odometry.is_stalled()) {
+      f = packet_after(f, 0, 0);
+      f.left_pwm = f.right_pwm = 60;
+      drive.odometry.update(f);
+      ++packets;
+    }
+    CHECK(packets == (ticks == 60 ? 10 : 25));
+    CHECK_FALSE(drive.odometry.are_both_rolling());
+  }
+}
+
 }  // namespace

@@ -20,7 +20,7 @@ struct Shown {
 };
 
 /// Frame i has stamp i and depth 1000 + i everywhere.
-std::vector<Shown> through(CameraFault fault, int frames) {
+std::vector<Shown> through(FaultKind fault, int frames) {
   CameraFaults faults(kCamera, 1);
   faults.set(fault);
   Frame frame = make_frame(kCamera);
@@ -41,20 +41,20 @@ long coming(const std::vector<Shown>& shown) {
 }  // namespace
 
 TEST_CASE("a good camera's frames pass, a dead one's do not") {
-  const auto good = through(CameraFault::none, 30);
+  const auto good = through(FaultKind::none, 30);
   CHECK(coming(good) == 30);
   CHECK(good[7].depth == 1007);
-  CHECK(coming(through(CameraFault::off, 30)) == 0);
+  CHECK(coming(through(FaultKind::off, 30)) == 0);
 }
 
 TEST_CASE("a stuck camera shows one image with new stamps") {
-  for (const Shown& s : through(CameraFault::stuck, 5)) CHECK(s.depth == 1000);
-  CHECK(through(CameraFault::stuck, 5)[4].stamp_ns == 4);
+  for (const Shown& s : through(FaultKind::stuck, 5)) CHECK(s.depth == 1000);
+  CHECK(through(FaultKind::stuck, 5)[4].stamp_ns == 4);
 }
 
 TEST_CASE("a slow camera and one with a loose contact lose frames") {
-  CHECK(coming(through(CameraFault::slow, 100)) == 10);
-  const auto loose = through(CameraFault::intermittent, 40);
+  CHECK(coming(through(FaultKind::slow, 100)) == 10);
+  const auto loose = through(FaultKind::intermittent, 40);
   CHECK(coming(loose) == 20);
   CHECK_FALSE(loose[9].comes);
   CHECK(loose[10].comes);
@@ -62,7 +62,7 @@ TEST_CASE("a slow camera and one with a loose contact lose frames") {
 }
 
 TEST_CASE("a late camera shows what was, and says when") {
-  const auto late = through(CameraFault::delayed, 40);
+  const auto late = through(FaultKind::delayed, 40);
   CHECK(coming(late) == 30);
   CHECK(late[15].comes);
   CHECK(late[15].stamp_ns == 5);
@@ -70,9 +70,9 @@ TEST_CASE("a late camera shows what was, and says when") {
 }
 
 TEST_CASE("a wrong camera reads too far, one full of garbage anything") {
-  CHECK(through(CameraFault::wrong, 1)[0].depth == 1500);
+  CHECK(through(FaultKind::wrong, 1)[0].depth == 1500);
   CameraFaults faults(kCamera, 1);
-  faults.set(CameraFault::garbage);
+  faults.set(FaultKind::garbage);
   Frame frame = make_frame(kCamera);
   REQUIRE(faults.apply(frame));
   const auto [low, high] = std::minmax_element(frame.depth.get(), frame.depth.get() + kCamera.pixel_count());

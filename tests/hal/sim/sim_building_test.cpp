@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/sim/sim_building.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -249,4 +250,27 @@ TEST_CASE("the scaled Kinect shows what the whole one shows") {
   CHECK(full.cx_px == 319.5F);
   CHECK(small.fx_px == 131.25F);
   CHECK(80.0F / small.fx_px == Approx(320.0F / full.fx_px));
+}
+
+TEST_CASE("planned faults come and go with the building's time") {
+  SimBuildingOptions options;
+  options.camera = scaled_kinect(32, 24);
+  options.robots.resize(1);
+  options.faults = {parse_fault("line:stuck@1+1").value(), parse_fault("camera:off@1+1").value()};
+  World world;
+  world.add_floor({0.0, 0.0, 0.0}, 20.0, 20.0, 0.1, {});
+  SimBuilding building(std::move(world), options);
+  Frame frame = make_frame(options.camera);
+  std::array<std::uint8_t, 512> bytes;
+  for (int tenth = 1; tenth <= 30; ++tenth) {
+    const TimeNs now_ns = tenth * 100'000'000;
+    building.advance_to(now_ns);
+    std::size_t heard = 0;
+    while (const std::size_t count = building.line(0).read(bytes)) heard += count;
+    building.render(0, frame);
+    INFO(tenth);
+    const bool is_bad = tenth >= 10 && tenth < 20;
+    CHECK(building.pass_on(0, frame, now_ns) == !is_bad);
+    CHECK((heard > 0) == !(tenth > 10 && tenth < 20));  // the first packets of the tenth second still came
+  }
 }

@@ -109,3 +109,18 @@ TEST_CASE("a loop ends although no worker ever gets to run") {
   }
   sigaction(SIGUSR2, &old_action, nullptr);
 }
+
+TEST_CASE("the workers' CPU time is counted without the caller's") {
+  ThreadPool alone(1);
+  std::atomic<std::uint64_t> sink{0};
+  auto work = [&](std::uint32_t chunk) {
+    for (std::uint64_t i = 0; i < 100'000; ++i) sink.fetch_add(i ^ chunk, std::memory_order_relaxed);
+  };
+  alone.parallel_for(20, work);
+  CHECK(alone.workers_cpu_ns() == 0);
+  ThreadPool pool(2);
+  const std::int64_t before_ns = pool.workers_cpu_ns();
+  // A busy machine may let the caller do all of one loop, but not of loop after loop.
+  for (int i = 0; i < 1000 && pool.workers_cpu_ns() - before_ns < 1'000'000; ++i) pool.parallel_for(20, work);
+  CHECK(pool.workers_cpu_ns() - before_ns >= 1'000'000);
+}

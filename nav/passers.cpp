@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/passers.hpp"
+
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+constexpr double kBeforeHit_m = 0.1;  // looked through up to here
+
+// A reading beside a map's cell is of what stands there. What has moved lately may have come a cell nearer: there the
+// cell itself counts alone.
+bool is_in_map(const CellGrid<CellState>& states, const MovedLately& moved, Cell at, hal::TimeNs now) {
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const Cell c{at.x + dx, at.y + dy};
+      if (!states.contains(c) || states.at(c) != CellState::occupied) continue;
+      if (c == at || !moved.is_new(c, now)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+Passers::Passers(const CellGrid<CellState>& like, const PassersConfig& config)
+    : config_(config), until_(like.resolution_m, like.origin_x_m, like.origin_y_m, like.columns, like.rows, 0) {}
+
+void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
+                   const hal::PlanarPose& pose, hal::TimeNs now) {
+  const double cos_heading = std::cos(pose.heading_rad);
+  const double sin_heading = std::sin(pose.heading_rad);
+  const auto cell_at = [&](double x_m, double y_m) {
+    return until_.cell_of(pose.x_m + cos_heading * x_m - sin_heading * y_m,
+                          pose.y_m + sin_heading * x_m + cos_heading * y_m);
+  };
+  const double step_m = 0.5 * until_.resolution_m;
+  for (const DepthScan::Ray& ray : scan.rays()) {
+    const double along_x = std::cos(ray.bearing_rad);
+    const double along_y = std::sin(ray.bearing_rad);
+    for (double s = config_.body_radius_m; s < ray.through_m - kBeforeHit_m; s += step_m) {
+      const Cell c = cell_at(scan.eye_x_m() + s * along_x, scan.eye_y_m() + s * along_y);
+      if (!until_.contains(c)) break;
+      until_.at(c) = 0;
+    }
+  }
+  const std::uint32_t until = tick(now + static_cast<hal::TimeNs>(config_.hold_s * 1e9));
+  for (const DepthScan::Ray& ray : scan.rays()) {
+    if (!ray.has_hit) continue;
+    const Cell c = cell_at(ray.hit_x_m, ray.hit_y_m);
+    if (until_.contains(c) && !is_in_map(states, moved, c, now)) until_.at(c) = until;
+  }
+}
+
+}  // namespace g3d::nav
