@@ -157,6 +157,11 @@ $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
+# For a machine with nothing but an NVIDIA driver: scripts/gpu-test.
+$(BUILD)/gpu_bench: $(BUILD)/tests/bench/gpu_bench.o $(SUPPORT) $(LIB)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
+
 bench-explore: all ## every world and building map from many starts, hours; resumable (see scripts/bench_explore)
 	G3DMAP_EXE=$(abspath $(EXE)) scripts/bench_explore $(BENCH_ARGS)
 

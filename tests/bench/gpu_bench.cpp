@@ -123,16 +123,12 @@ void measure(const MapperConfig& config, const test::Workload& work) {
   constexpr std::array kPasses{"first", "again", "again"};
   for (std::size_t pass = 0; pass < kPasses.size(); ++pass) {
     const bool by_stages = pass == 2;
-    std::vector<double> card_us;
-    std::vector<double> wall_us;
     std::vector<double> changed;
     std::array<std::vector<double>, cuda::kStages> stage_us;
     rig.helper->set_frame_command(by_stages ? cuda::HelperCommand::run_stages_timed
                                             : cuda::HelperCommand::run_frame_timed);
     for (const auto& [frame, pose] : work.frames) {
-      const double start_us = now_us();
       (void)rig.integrate(frame, pose);
-      wall_us.push_back(now_us() - start_us);
       changed.push_back(static_cast<double>(rig.twin.changed_slots().size()));
       for (std::size_t s = 0; s < stage_us.size(); ++s) {
         stage_us[s].push_back(static_cast<double>(rig.helper->stages_us()[s]));
@@ -147,6 +143,25 @@ void measure(const MapperConfig& config, const test::Workload& work) {
       fmt::print("time    {}: {} pass, card {:.1f} us, changed blocks back {:.1f} us, {:.0f} of them\n",
                  title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(changed));
     }
+  }
+  // What a robot sees: from the frame to the updated mirror, twice, and the CPU twin on one core.
+  MapperConfig one_thread = on(Backend::cpu, config);
+  one_thread.threads = 1;
+  Mapper with_card(on(Backend::cuda, config), work.camera);
+  Mapper alone(one_thread, work.camera);
+  for (const char* pass : {"first", "again"}) {
+    std::vector<double> card_us;
+    std::vector<double> cpu_us;
+    for (const auto& [frame, pose] : work.frames) {
+      const double start_us = now_us();
+      (void)with_card.integrate(frame, pose);
+      const double half_us = now_us();
+      (void)alone.integrate(frame, pose);
+      card_us.push_back(half_us - start_us);
+      cpu_us.push_back(now_us() - half_us);
+    }
+    fmt::print("whole   {}: {} pass, frame to mirror {:.0f} us, CPU twin {:.0f} us\n", title(config, work), pass,
+               median(card_us), median(cpu_us));
   }
   const MapCounts counts = rig.map.counts();
   fmt::print("memory  {}: {} known voxels, {:.2f} bytes each in the mirror, card {} MB reserved\n", title(config, work),
