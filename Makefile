@@ -51,7 +51,6 @@ EXE := $(BUILD)/g3dmap
 LIB := $(BUILD)/libg3dmap.a
 PCH := $(BUILD)/tests/precompiled.hpp
 
-# One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 # What the executable carries for NVIDIA cards (no toolkit is needed, but clang): kernels as PTX for every card since the
 # TX2's, and the helper program that loads the driver. A build without clang carries no kernels and maps on the CPU.
 PTX := $(BUILD)/kernels.ptx
@@ -71,6 +70,7 @@ $(HELPER): $(HELPER_SRC) mapper/cuda/helper/driver.hpp mapper/cuda/helper/card_s
 $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
 
+# One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
