@@ -90,7 +90,7 @@ struct Memory {
   std::uint16_t* mask;
   // Images
   std::uint16_t* ends[kImageLevels];       ///< level 0: ray ends; above: maxima of 2x2 cells. Padded
-  std::uint16_t* strong[kImageLevels];  ///< the same of measured rays alone; level 0 follows from ends and depth
+  std::uint16_t* strong[kImageLevels];     ///< the same of measured rays alone; level 0 follows from ends and depth
   std::uint16_t* four[kImageLevels];       ///< maxima over windows of 4x4 cells that begin there
   std::uint16_t* two;                      ///< 2x2, of level 0
   std::uint16_t* column_bound;             ///< nearest reading above and below a pixel without one
