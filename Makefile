@@ -168,7 +168,7 @@ bench-explore: all ## every world and building map from many starts, hours; resu
 soak: build-test ## the long runs, hours of them; starts again where it was stopped
 	scripts/soak
 
-SOURCES = $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
+SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
 TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
