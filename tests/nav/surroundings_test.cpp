@@ -182,6 +182,7 @@ TEST_CASE("Somebody who walks across is in the way long before the map knows him
   nav::Surroundings here(mapper.map().grid(), config);
   hal::Frame frame = hal::make_frame(options.camera);
   nav::ArcCheck arc(0.178, 0.01, 1.6, 0.05);
+  constexpr double kEmpty_m = 1.5;  // free ahead at least, where nobody is
   int in_the_way = 0, noticed = 0, in_map = 0;
   for (hal::TimeNs now = 0; now < 7'000'000'000; now += 100'000'000) {
     building.advance_to(now);
@@ -194,13 +195,13 @@ TEST_CASE("Somebody who walks across is in the way long before the map knows him
     if (std::fabs(building.mover_places_m()[0][1]) > 0.3F) continue;
     ++in_the_way;
     arc.gather(here.states(), {}, &here);
-    noticed += arc.look(0.0, 1.55).clear_m < 1.4 ? 1 : 0;
+    noticed += arc.look(0.0, 1.55).clear_m < kEmpty_m ? 1 : 0;
     arc.gather(here.states(), {});
-    in_map += arc.look(0.0, 1.55).clear_m < 1.4 ? 1 : 0;
+    in_map += arc.look(0.0, 1.55).clear_m < kEmpty_m ? 1 : 0;
   }
   CHECK(in_the_way >= 5);
   CHECK(noticed == in_the_way);
   CHECK(in_map < in_the_way);
   arc.gather(here.states(), {}, &here);
-  CHECK(arc.look(0.0, 1.55).clear_m > 1.5);  // and nobody is remembered where the camera has looked through since
+  CHECK(arc.look(0.0, 1.55).clear_m > kEmpty_m);  // and nobody is remembered where the camera has looked through since
 }
