@@ -51,7 +51,6 @@ EXE := $(BUILD)/g3dmap
 LIB := $(BUILD)/libg3dmap.a
 PCH := $(BUILD)/tests/precompiled.hpp
 
-# One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 # What the executable carries for NVIDIA cards (no toolkit is needed, but clang): kernels as PTX for every card since the
 # TX2's, and the helper program that loads the driver. A build without clang carries no kernels and maps on the CPU.
 PTX := $(BUILD)/kernels.ptx
@@ -71,6 +70,7 @@ $(HELPER): $(HELPER_SRC) mapper/cuda/helper/driver.hpp mapper/cuda/helper/card_s
 $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
 
+# One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
@@ -168,7 +168,7 @@ bench-explore: all ## every world and building map from many starts, hours; resu
 soak: build-test ## the long runs, hours of them; starts again where it was stopped
 	scripts/soak
 
-SOURCES = $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
+SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
 TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)

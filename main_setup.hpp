@@ -29,7 +29,7 @@ void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report);
 [[nodiscard]] hal::Pose mount_pose(const board::Board& board);
 /// `text`: "X0,Y0,X1,Y1" in metres, or empty for none. `option` is what errors (bad_usage) call it.
 [[nodiscard]] hal::Result<std::optional<hal::FloorRectangle>> choose_rectangle(std::string_view option,
-                                                                        const std::string& text);
+                                                                               const std::string& text);
 /// None if the command line asks for none. The error is one of usage.
 [[nodiscard]] hal::Result<std::optional<mapper::StartFootprint>> start_footprint(const board::Board& board,
                                                                                  const MappingOptions& options);

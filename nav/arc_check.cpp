@@ -19,9 +19,10 @@ ArcCheck::ArcCheck(double body_radius_m, double touch_margin_m, double reach_m, 
   cells_.reserve(static_cast<std::size_t>(side_cells * side_cells));
 }
 
-// An occupied cell is its whole square; an unknown one its centre: half a cell of doubt is no reason to stop.
+// An occupied cell is its whole square, if nothing better is known; an unknown one its centre: half a cell of doubt is
+// no reason to stop.
 double ArcCheck::distance_m(const NearCell& cell, double x_m, double y_m) const {
-  const double half_m = cell.occupied ? half_cell_m_ : 0.0;
+  const double half_m = cell.is_square ? half_cell_m_ : 0.0;
   const double dx = std::max(std::fabs(cell.x_m - x_m) - half_m, 0.0);
   const double dy = std::max(std::fabs(cell.y_m - y_m) - half_m, 0.0);
   return std::sqrt(dx * dx + dy * dy);
@@ -41,10 +42,17 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
     for (int x = low.x; x <= high.x; ++x) {
       const Cell c{x, y};
       CellState state = ground.contains(c) ? ground.at(c) : CellState::unknown;
-      if (floor != nullptr && floor->is_suspect(c)) state = CellState::occupied;
+      Extent extent = state == CellState::occupied ? Extent::square : Extent::middle;
+      if (floor != nullptr && floor->is_suspect(c)) {
+        state = CellState::occupied;
+        extent = Extent::square;
+      } else if (floor != nullptr && state == CellState::occupied) {
+        extent = floor->extent(c);
+        if (extent == Extent::nothing) continue;
+      }
       if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) continue;
       NearCell cell{ground.centre_x_m(c) - T_world_base.x_m, ground.centre_y_m(c) - T_world_base.y_m, 0.0,
-                    state == CellState::occupied};
+                    state == CellState::occupied, extent == Extent::square};
       cell.start_m = distance_m(cell, 0.0, 0.0);
       if (cell.start_m > radius_m || cells_.size() == cells_.capacity()) continue;
       if (cell.occupied) clearance_here_m_ = std::min(clearance_here_m_, cell.start_m - body_radius_m_);

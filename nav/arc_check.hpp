@@ -4,12 +4,16 @@
 // body may come nearer to such a square by kSlack_m than the margin, slowly.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
 
 namespace g3d::nav {
+
+/// What an occupied cell is taken for.
+enum class Extent : std::uint8_t { square, middle, nothing };
 
 /// Whether the floor itself was seen in a cell that counts as free (GroundMap: else it is only presumed).
 class FloorKnowledge {
@@ -18,6 +22,8 @@ class FloorKnowledge {
   [[nodiscard]] virtual bool is_seen(Cell c) const = 0;
   /// Something that the map does not know (yet) may stand here: as good as occupied.
   [[nodiscard]] virtual bool is_suspect(Cell) const { return false; }
+  /// Of an occupied cell that is not suspect.
+  [[nodiscard]] virtual Extent extent(Cell) const { return Extent::square; }
 };
 
 struct ArcView {
@@ -55,6 +61,7 @@ class ArcCheck {
     double y_m;
     double start_m;  ///< distance from the robot's centre to the cell
     bool occupied;
+    bool is_square;  ///< else its middle counts
   };
   [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m) const;
 

@@ -38,8 +38,8 @@ struct ExplorerConfig {
   double home_reserve_s = 30.0;              ///< plus this, is kept of set_energy_left()
   int max_cells = 4'000'000;                 ///< largest grid; memory grows with it
   int max_views_per_decision = 400;          ///< rays of so many places are cast anew in one decision; the rest waits
-  std::int64_t max_units_per_call = 40'000;  ///< of work (work_budget.hpp) in one decide(),
-  std::int64_t max_units_ahead_per_call = 20'000;  ///< and in one work_ahead()
+  std::int64_t max_units_per_call = 35'000;  ///< of work (work_budget.hpp) in one decide(),
+  std::int64_t max_units_ahead_per_call = 5'000;  ///< and in one work_ahead()
 };
 
 class Explorer final : public GoalChooser {

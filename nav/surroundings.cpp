@@ -145,6 +145,7 @@ bool Surroundings::reopen() {
 }
 
 bool Surroundings::trust_own_way() {
+  trusts_own_way_ = true;
   const bool opens = tight_.trust_own_way(ground_.states(), inflation_);
   note_changed(tight_.changed_cells());
   return opens;
@@ -164,6 +165,19 @@ const CellGrid<std::uint8_t>& Surroundings::cost_of_own_way() {
     if (own_way_.cells[i] >= kInscribedCost && trace_.is_trodden(own_way_.cell(i))) own_way_.cells[i] = kOwnWayCost;
   }
   return own_way_;
+}
+
+Extent Surroundings::extent(Cell c) const {
+  if (!trusts_own_way_) return Extent::square;
+  int trodden = 0;
+  for (int y = c.y - 1; y <= c.y + 1; ++y) {
+    for (int x = c.x - 1; x <= c.x + 1; ++x) trodden += trace_.is_trodden({x, y}) ? 1 : 0;
+  }
+  if (trodden == 0 || trodden == 9) return Extent::square;  // beyond, or right where the body was: something has come
+  for (const Waypoint& touch : near_touches_) {
+    if (distance_m(touch, states().centre_x_m(c), states().centre_y_m(c)) < kCarefulAbout_m) return Extent::square;
+  }
+  return trace_.is_trodden(c) ? Extent::nothing : Extent::middle;
 }
 
 bool Surroundings::is_seen(Cell c) const {

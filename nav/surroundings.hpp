@@ -81,6 +81,8 @@ class Surroundings final : public FloorKnowledge {
   [[nodiscard]] bool is_suspect(Cell c) const override {
     return near_watch_.is_suspect(c, now_ns_) || passers_.is_there(c, now_ns_);
   }
+  /// While it trusts its own way: what reaches into it by a cell is noise, what is beside it begins in a cell's middle.
+  [[nodiscard]] Extent extent(Cell c) const override;
 
  private:
   void mark_touches_with(const Waypoint& touch, std::size_t others);
@@ -102,6 +104,7 @@ class Surroundings final : public FloorKnowledge {
   TimeNs now_ns_ = 0;
   std::vector<Waypoint> touches_;
   bool has_closed_ = false;
+  bool trusts_own_way_ = false;
   std::vector<Waypoint> near_touches_;  ///< near enough to matter for where the robot is
   std::vector<std::uint32_t> changed_;
   std::vector<std::uint8_t> is_noted_;

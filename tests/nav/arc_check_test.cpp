@@ -89,6 +89,28 @@ TEST_CASE("A floor that is only presumed is as good as unknown") {
   CHECK(check.look(0.0, 0.6).free_m >= 0.6);
 }
 
+TEST_CASE("An occupied cell counts as what the floor's knowledge says") {
+  struct Knows final : nav::FloorKnowledge {
+    [[nodiscard]] bool is_seen(Cell) const override { return true; }
+    [[nodiscard]] nav::Extent extent(Cell) const override { return what; }
+    nav::Extent what = nav::Extent::square;
+  } knows;
+  Ground ground = free_floor();
+  // A gap of 35 cm between squares, of 40 cm between middles.
+  ground.at(ground.cell_of(0.425, 0.22)) = ground.at(ground.cell_of(0.425, -0.18)) = CellState::occupied;
+  const auto clear_m = [&](nav::Extent what) {
+    knows.what = what;
+    nav::ArcCheck check(kRadius_m, kMargin_m, 0.6, ground.resolution_m);
+    check.gather(ground, {0.0, 0.025, 0.0}, &knows);
+    return check.look(0.0, 0.6).clear_m;
+  };
+  CHECK(clear_m(nav::Extent::square) < 0.42);
+  CHECK(clear_m(nav::Extent::middle) >= 0.6);
+  ground.at(ground.cell_of(0.425, 0.02)) = CellState::occupied;
+  CHECK(clear_m(nav::Extent::middle) < 0.3);
+  CHECK(clear_m(nav::Extent::nothing) >= 0.6);
+}
+
 TEST_CASE("What lies outside of the grid is unknown") {
   const nav::ArcView view = check_at(free_floor(), {1.7, 0.0, 0.0}).look(0.0, 0.6);
   CHECK(view.free_m < 0.2);

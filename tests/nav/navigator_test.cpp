@@ -216,7 +216,7 @@ TEST_CASE("Behind a door that proves narrower than planning likes it goes on exp
     World world(boxes, {start_x_m, kMiddle_m, 0.0}, kTwoRooms);
     CAPTURE(start_x_m);
     while (world.robot.pose().x_m < 4.6 && world.time_s() < 120) world.step();
-    REQUIRE(world.floor.coverage(inside(boxes)) < 0.9);
+    REQUIRE(world.floor.coverage(inside(boxes)) < 0.9);  // there are goals to go back to
     world.robot.boxes().push_back({kWall_m, kMiddle_m - kDoor_m / 2, kBehind_m, kMiddle_m - kNarrow_m / 2});
     world.robot.boxes().push_back({kWall_m, kMiddle_m + kNarrow_m / 2, kBehind_m, kMiddle_m + kDoor_m / 2});
     REQUIRE(world.reaches(MissionState::home, 300));

@@ -145,6 +145,24 @@ TEST_CASE("A robot that is cut off may trust its own way, and goals are chosen b
   CHECK_FALSE(scene.here.trust_own_way());
 }
 
+TEST_CASE("Noise at the rim of a trusted way is not in the way, what stands in its middle is") {
+  Scene scene({});
+  scene.look();
+  for (int i = 0; i < 40; ++i) scene.here.on_pose({0.01 + 0.02 * i, 0.025, 0.0}, 0);
+  const nav::Cell middle = scene.cell(0.4, 0.02);
+  const nav::Cell rim = scene.cell(0.4, 0.18);
+  const nav::Cell beside = scene.cell(0.4, 0.23);
+  const nav::Cell beyond = scene.cell(0.4, 0.33);
+  for (const nav::Cell c : {middle, rim, beside, beyond}) CHECK(scene.here.extent(c) == nav::Extent::square);
+  (void)scene.here.trust_own_way();
+  CHECK(scene.here.extent(middle) == nav::Extent::square);
+  CHECK(scene.here.extent(rim) == nav::Extent::nothing);
+  CHECK(scene.here.extent(beside) == nav::Extent::middle);
+  CHECK(scene.here.extent(beyond) == nav::Extent::square);
+  scene.here.on_touch({0.3, 0.4, 0.0}, 0.0);  // what was touched nearby is whole
+  CHECK(scene.here.extent(rim) == nav::Extent::square);
+}
+
 TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
   CHECK(nav::planning_radius_m(0.18, 0.05) > 0.18 + 0.025);
   CHECK(nav::planning_radius_m(0.18, 0.05) < 0.225);  // five cells from an obstacle's centre it fits

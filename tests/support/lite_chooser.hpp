@@ -21,7 +21,7 @@ class LiteChooser final : public nav::GoalChooser {
   void start_again() override {}
   void set_home(const hal::PlanarPose&) override {}
   void set_energy_left(double) override {}
-  void return_home() override { is_over_ = true; }
+  void return_home(bool) override { is_over_ = true; }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
  private:

@@ -38,7 +38,7 @@ class TourChooser final : public nav::GoalChooser {
   void start_again() override {}
   void set_home(const hal::PlanarPose&) override {}
   void set_energy_left(double) override {}
-  void return_home() override { rounds_ = kRounds; }
+  void return_home(bool) override { rounds_ = kRounds; }
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override { return {}; }
 
  private:

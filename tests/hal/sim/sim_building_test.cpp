@@ -263,7 +263,7 @@ TEST_CASE("planned faults come and go with the building's time") {
   Frame frame = make_frame(options.camera);
   std::array<std::uint8_t, 512> bytes;
   for (int tenth = 1; tenth <= 30; ++tenth) {
-    const TimeNs now_ns = tenth * 100'000'000;
+    const TimeNs now_ns = tenth * TimeNs{100'000'000};
     building.advance_to(now_ns);
     std::size_t heard = 0;
     while (const std::size_t count = building.line(0).read(bytes)) heard += count;
