@@ -13,6 +13,10 @@ inline constexpr int kPixelThreads = 256;   ///< per block, in kernels over imag
 inline constexpr int kUpdateThreads = 128;  ///< per block, in the kernel that updates blocks of the map
 inline constexpr int kParcelThreads = 128;  ///< per block, in kernels that move them: four voxels each
 
+/// Memory of any type in larger pieces than it was declared.
+using AnyWord [[gnu::may_alias]] = std::uint32_t;
+using AnyHalf [[gnu::may_alias]] = std::uint16_t;
+
 template <typename T>
 [[nodiscard]] constexpr T least(T a, T b) {
   return b < a ? b : a;
@@ -41,7 +45,7 @@ inline G3D_GPU void load_params(const Block& block, const Memory& m, FrameParams
   constexpr int kWords = sizeof(FrameParams) / sizeof(std::uint32_t);
   block.each([&](int t) {
     for (int i = t; i < kWords; i += threads) {
-      reinterpret_cast<std::uint32_t*>(&params)[i] = reinterpret_cast<const std::uint32_t*>(&m.input->params)[i];
+      reinterpret_cast<AnyWord*>(&params)[i] = reinterpret_cast<const AnyWord*>(&m.input->params)[i];
     }
   });
 }

@@ -36,14 +36,14 @@ inline G3D_GPU void send_block(const Block& block, const Memory& m, const Parcel
       out.heads[index] = head;
     }
     if (from.plane != kNone) {
-      reinterpret_cast<std::uint32_t*>(out.planes[index].levels)[t] =
-          reinterpret_cast<const std::uint32_t*>(m.planes + static_cast<std::size_t>(from.plane) * kVoxels)[t];
+      reinterpret_cast<AnyWord*>(out.planes[index].levels)[t] =
+          reinterpret_cast<const AnyWord*>(m.planes + static_cast<std::size_t>(from.plane) * kVoxels)[t];
     }
     std::uint32_t rank = 0;
     for (int b = 0; b < kBricks; ++b) {
       if (from.bricks[b] == kNone) continue;
       const std::uint32_t* colours = m.colours + static_cast<std::size_t>(from.bricks[b]) * kBrickSize;
-      std::uint32_t* words = reinterpret_cast<std::uint32_t*>(out.bricks[index * kBricks + rank++].rgb);
+      AnyWord* words = reinterpret_cast<AnyWord*>(out.bricks[index * kBricks + rank++].rgb);
       if (t < kBrickWords) words[t] = packed_word(colours, t);
     }
   });
@@ -100,8 +100,8 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
   block.each([&](int t) {
     if (s.accepted == 0) return;
     if (s.plane != kNone) {
-      reinterpret_cast<std::uint32_t*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels)[t] =
-          reinterpret_cast<const std::uint32_t*>(in.planes[head.plane].levels)[t];
+      reinterpret_cast<AnyWord*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels)[t] =
+          reinterpret_cast<const AnyWord*>(in.planes[head.plane].levels)[t];
     }
     std::uint32_t rank = 0;
     for (int b = 0; b < kBricks; ++b) {

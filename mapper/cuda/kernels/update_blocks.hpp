@@ -78,7 +78,7 @@ inline G3D_GPU std::uint32_t free_by_projection(const FrameParams& f, const Memo
 /// Reads a thread's voxels. All looks before the first use: one wait instead of many.
 inline G3D_GPU void load_voxels(const Memory& m, UpdateState& s, int t) {
   const GpuBlock& old = s.item.old;
-  const auto* stored = reinterpret_cast<const std::uint16_t*>(m.planes + static_cast<std::size_t>(old.plane) * kVoxels);
+  const auto* stored = reinterpret_cast<const AnyHalf*>(m.planes + static_cast<std::size_t>(old.plane) * kVoxels);
   std::uint32_t pairs[kPairs];
 #pragma GCC unroll 4
   for (int i = 0; i < kPairs; ++i) {
@@ -219,7 +219,7 @@ inline G3D_GPU void write_voxels(const Memory& m, UpdateState& s, bool uniform, 
       bytes |= static_cast<std::uint32_t>(kHasColourBit) << (8 * i);
     }
     if (uniform) continue;
-    auto* stored = reinterpret_cast<std::uint16_t*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels);
+    auto* stored = reinterpret_cast<AnyHalf*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels);
     stored[first / 2] = static_cast<std::uint16_t>(bytes);
   }
 }
@@ -229,7 +229,7 @@ inline G3D_GPU void update_block(const Block& block, const Memory& m, const Fram
   block.each([&](int t) {
     constexpr int kWords = sizeof(WorkItem) / sizeof(std::uint32_t);
     if (t < kWords) {
-      reinterpret_cast<std::uint32_t*>(&s.item)[t] = reinterpret_cast<const std::uint32_t*>(m.items + index)[t];
+      reinterpret_cast<AnyWord*>(&s.item)[t] = reinterpret_cast<const AnyWord*>(m.items + index)[t];
     }
     if (t == kWords) s.summary = 0;
     if (t == kWords + 1) s.coloured_bricks = 0;
