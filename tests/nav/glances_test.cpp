@@ -8,8 +8,6 @@ using namespace g3d::nav;
 
 namespace {
 
-constexpr hal::TimeNs kSecond = 1'000'000'000;
-
 /// Known floor of 6 x 4 m; something black of 0.4 x 0.8 m stays unknown in it.
 struct Floor {
   Floor() : ground(0.05, 0.0, 0.0, 120, 80, CellState::free) {
