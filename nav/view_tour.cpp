@@ -8,8 +8,9 @@
 namespace g3d::nav {
 namespace {
 
-constexpr int kRate_units = 12;    // to find a place's best heading
-constexpr int kRefine_units = 20;  // to judge all headings of a place
+constexpr std::int32_t kAnyway = TravelField::kNever - 100;  ///< however far; steps may be added to it
+constexpr int kRate_units = 12;                              // to find a place's best heading
+constexpr int kRefine_units = 20;                            // to judge all headings of a place
 constexpr int kSkip_units = 1;
 
 double turn_between(double a, double b) { return std::abs(std::remainder(a - b, 6.283185307179586)); }
@@ -165,7 +166,10 @@ double ViewTour::seconds_to(const RoadGrid& roads, const TravelField& field, con
 bool ViewTour::measure(const TourScene& scene, WorkBudget& budget) {
   if (next_ == 0) order_.begin(views_.size(), has_kept_);
   std::int32_t farthest = 0;
-  for (const View& view : views_) farthest = std::max(farthest, scene.from_robot.distance[view.road]);
+  for (const View& view : views_) {
+    const std::int32_t tenths = scene.from_robot.distance[view.road];
+    if (tenths != TravelField::kNever) farthest = std::max(farthest, tenths);
+  }
   for (; next_ <= views_.size(); ++next_) {
     if (budget.is_spent()) return false;
     const bool is_robot = next_ == 0;
@@ -173,7 +177,8 @@ bool ViewTour::measure(const TourScene& scene, WorkBudget& budget) {
       const View& from = views_[next_ - 1];
       // No view is farther than by way of the robot: in a large building that spares most of it.
       if (is_first_) {
-        scene.roads.begin_travel(from.road, scene.from_robot.distance[from.road] + farthest, field_);
+        const std::int32_t tenths = scene.from_robot.distance[from.road];
+        scene.roads.begin_travel(from.road, tenths == TravelField::kNever ? kAnyway : tenths + farthest, field_);
       }
       is_first_ = false;
       if (!scene.roads.go_on(field_, budget)) return false;
@@ -326,7 +331,7 @@ bool ViewTour::go_on(const TourScene& scene, WorkBudget& budget) {
       case Phase::reaching_second:
         if (is_first_) begin_refining(scene);
         if (is_first_ && tour_.size() > 1) {
-          scene.roads.begin_travel(tour_[1].road, TravelField::kNever - 100, field_);
+          scene.roads.begin_travel(tour_[1].road, kAnyway, field_);
         }
         is_first_ = false;
         if (tour_.size() > 1 && !scene.roads.go_on(field_, budget)) return false;
