@@ -2,6 +2,7 @@
 # Every job is one word; `make help` lists them. Objects of each flavour (release, asan, tsan) live in their own folder.
 TOOLCHAIN ?= toolchain/host.mk
 include $(TOOLCHAIN)
+.DEFAULT_GOAL := all
 
 BUILD ?= build/host
 OPT ?= -O2 -g1
