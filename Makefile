@@ -171,7 +171,7 @@ soak: build-test ## the long runs, hours of them; starts again where it was stop
 	scripts/soak
 
 SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
-TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
+TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
