@@ -14,6 +14,7 @@ constexpr double kPlaceTime_s = 0.12;    // of the filter: how fast a place is b
 constexpr double kVelocityTime_s = 0.4;  // and a velocity
 constexpr double kBehind_m = 0.3;        // looked through so far beyond his place: he is not there
 constexpr double kStride_m = 0.05;       // of looking for walls in his way
+constexpr double kStands_mps = 0.01;
 
 double seconds(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 hal::TimeNs after(hal::TimeNs from, double s) { return from + static_cast<hal::TimeNs>(s * 1e9); }
@@ -42,8 +43,11 @@ std::size_t PasserTracks::gather(const DepthScan& scan, const std::array<bool, D
       sum_y_m += ray.hit_y_m;
     }
     if (hits >= kLeastRays && count < sights.size()) {
-      const double x_m = sum_x_m / hits;
-      const double y_m = sum_y_m / hits;
+      const double front_x_m = sum_x_m / hits;
+      const double front_y_m = sum_y_m / hits;
+      const double away_m = std::hypot(front_x_m - scan.eye_x_m(), front_y_m - scan.eye_y_m());
+      const double x_m = front_x_m + config_.depth_m * (front_x_m - scan.eye_x_m()) / away_m;
+      const double y_m = front_y_m + config_.depth_m * (front_y_m - scan.eye_y_m()) / away_m;
       sights[count++] = {pose.x_m + cos_heading * x_m - sin_heading * y_m,
                          pose.y_m + sin_heading * x_m + cos_heading * y_m, first > 0 && last + 1 < ray_count};
     }
@@ -90,9 +94,10 @@ void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) con
   track.seen_ns = now;
   track.ends_ns = after(now, config_.walks_on_s);
   track.is_in_view = true;
+  track.has_walked = track.has_walked || is_walking(track);
 }
 
-bool PasserTracks::is_known(const Track& track) const {
+bool PasserTracks::is_walking(const Track& track) const {
   const double speed_mps = std::hypot(track.vx_mps, track.vy_mps);
   return seconds(track.first_ns, track.seen_ns) >= config_.known_after_s && speed_mps >= config_.least_mps &&
          speed_mps <= config_.most_mps;
@@ -116,7 +121,7 @@ bool PasserTracks::is_looked_through(const Track& track, const DepthScan& scan, 
 // No walls on it. Cells where something came lately are his own.
 bool PasserTracks::has_way(const Track& track, const CellGrid<CellState>& states, const MovedLately& moved,
                            hal::TimeNs now) const {
-  const double speed_mps = std::hypot(track.vx_mps, track.vy_mps);
+  const double speed_mps = std::max(std::hypot(track.vx_mps, track.vy_mps), kStands_mps);
   const int strides = static_cast<int>(speed_mps * seconds(track.seen_ns, now) / kStride_m);
   for (int i = 0; i <= strides; ++i) {
     const double t_s = i * kStride_m / speed_mps;
@@ -136,13 +141,13 @@ void PasserTracks::look(const DepthScan& scan, const std::array<bool, DepthScan:
     if (Track* track = nearest(sights[i], now)) {
       follow(*track, sights[i], now);
     } else {
-      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true};
+      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true, false};
     }
   }
   for (Track& track : tracks_) {
     if (track.ends_ns <= now || track.seen_ns == now) continue;
     track.is_in_view = false;
-    if (!is_known(track) || is_looked_through(track, scan, pose, now) || !has_way(track, states, moved, now)) {
+    if (!track.has_walked || is_looked_through(track, scan, pose, now) || !has_way(track, states, moved, now)) {
       track.ends_ns = 0;
     }
   }
@@ -150,15 +155,20 @@ void PasserTracks::look(const DepthScan& scan, const std::array<bool, DepthScan:
 
 bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
   for (const Track& track : tracks_) {
-    if (track.is_in_view || track.ends_ns <= now) continue;
+    if (!track.has_walked || track.ends_ns <= now) continue;
+    const bool walks = is_walking(track);
+    const double vx_mps = walks ? track.vx_mps : 0.0;
+    const double vy_mps = walks ? track.vy_mps : 0.0;
     const double s = seconds(track.seen_ns, now);
-    const double radius_m = config_.radius_m + config_.doubt_mps * s;
-    const double from_x_m = x_m - (track.x_m + s * track.vx_mps);
-    const double from_y_m = y_m - (track.y_m + s * track.vy_mps);
-    const double square_m2ps2 = track.vx_mps * track.vx_mps + track.vy_mps * track.vy_mps;
-    const double along_s =
-        std::clamp((from_x_m * track.vx_mps + from_y_m * track.vy_mps) / square_m2ps2, 0.0, config_.ahead_s);
-    if (std::hypot(from_x_m - along_s * track.vx_mps, from_y_m - along_s * track.vy_mps) <= radius_m) return true;
+    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * s : 0.0);
+    const double from_x_m = x_m - (track.x_m + s * vx_mps);
+    const double from_y_m = y_m - (track.y_m + s * vy_mps);
+    double along_s = 0.0;
+    if (walks && !track.is_in_view) {
+      const double square_m2ps2 = vx_mps * vx_mps + vy_mps * vy_mps;
+      along_s = std::clamp((from_x_m * vx_mps + from_y_m * vy_mps) / square_m2ps2, 0.0, config_.ahead_s);
+    }
+    if (std::hypot(from_x_m - along_s * vx_mps, from_y_m - along_s * vy_mps) <= radius_m) return true;
   }
   return false;
 }

@@ -101,6 +101,27 @@ TEST_CASE("Who stands still and who was seen for a moment only is not guessed at
   CHECK_FALSE(short_sight.may_come(short_sight.x_m(2.0), short_sight.y_m(2.0), 2.0));
 }
 
+TEST_CASE("Who stopped before the robot is a body, also when it turns to go around him", "[nav][passers]") {
+  Walk walk;
+  walk.from_x_m = 2.5;
+  walk.from_y_m = 0.0;
+  walk.vx_mps = -0.8;
+  walk.vy_mps = 0.0;
+  walk.look_until(1.5);  // at 1.3 m now
+  const double stands_x_m = walk.x_m(1.5);
+  walk.from_x_m = stands_x_m;
+  walk.vx_mps = 0.0;
+  for (double t_s = 1.6; t_s < 4.0; t_s += 0.1) walk.look(t_s);
+  CHECK(walk.may_come(stands_x_m + 0.1, 0.15, 3.9));  // behind his front, which is all that is measured
+  CHECK(walk.may_come(stands_x_m - 0.1, -0.15, 3.9));
+  CHECK_FALSE(walk.may_come(stands_x_m - 0.5, 0.0, 3.9));
+  CHECK_FALSE(walk.may_come(stands_x_m, 0.45, 3.9));
+  walk.look(4.0, true, {0.0, 0.0, 1.0});
+  CHECK(walk.may_come(stands_x_m + 0.1, 0.15, 8.0));
+  CHECK_FALSE(walk.may_come(stands_x_m - 0.5, 0.0, 8.0));
+  CHECK_FALSE(walk.may_come(stands_x_m + 0.1, 0.15, 10.5));
+}
+
 TEST_CASE("Where the camera looks and sees through, he is not", "[nav][passers]") {
   Walk walk;
   walk.look_until(1.0);
