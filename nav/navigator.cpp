@@ -10,6 +10,8 @@ namespace g3d::nav {
 namespace {
 
 constexpr double kBehind_m = 0.35;
+constexpr double kGotAway_m = 0.3;
+constexpr int kTrapped = 8;        // goals that failed in one place
 constexpr double kAgain_s = 0.1;   // between decisions when one fails after the other,
 constexpr double kInVain_s = 1.0;  // and when that goes on
 constexpr int kCutOff = 3;         // goals in a row without a path: the robot is cut off from where it came from
@@ -180,7 +182,19 @@ bool Navigator::plan(TimeNs now) {
   return false;
 }
 
+// Goal after goal fails, and the robot has not got away from here: then it is not the goals. What it believes to have
+// touched may be wrong, and would have it give up the whole building.
+void Navigator::note_failed_here() {
+  const hal::PlanarPose& here = base_.T_world_base;
+  if (std::hypot(here.x_m - failed_at_.x_m, here.y_m - failed_at_.y_m) > kGotAway_m) {
+    failed_at_ = here;
+    failed_here_ = 0;
+  }
+  if (++failed_here_ % kTrapped == 0) floor_.forget_touches();
+}
+
 void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
+  note_failed_here();
   if (!closed_way_.is_active()) {
     ++report_.goals_failed;
     chooser_->goal_failed(reason);
@@ -310,9 +324,10 @@ void Navigator::watch_progress(const hal::Twist& twist, TimeNs now) {
   if (progress_.is_lost(now) && mission_.apply(MissionEvent::lost)) standby_.call_for_help(now);
 }
 
-// The wheels work against something that presses no bumper: it is too high or too low for it.
+// The wheels work against something that presses no bumper: it is too high or too low for it. If one is pressed, that
+// is what holds the robot, and nothing need stand ahead.
 void Navigator::push_against(const hal::Twist& twist, TimeNs now) {
-  if (twist.forward_mps > 0.0) floor_.on_touch(base_.T_world_base, 0.0);
+  if (twist.forward_mps > 0.0 && base_.bumper == 0) floor_.on_touch(base_.T_world_base, 0.0);
   begin_trouble(Trouble::no_progress, StopReason::no_progress, 0.0, now);
 }
 

@@ -110,6 +110,7 @@ class Navigator {
   void decide(TimeNs now);
   void follow_decision(TimeNs now);
   bool plan(TimeNs now);
+  void note_failed_here();
   void fail_goal(GoalFailure reason, TimeNs now);
   void finish(TimeNs now);
   [[nodiscard]] bool look_at_closed_way(TimeNs now);
@@ -153,6 +154,8 @@ class Navigator {
   bool is_deciding_ = false;
   TimeNs decision_begun_ns_ = 0;
   int goals_in_vain_ = 0;  ///< failed for want of a path, one after the other
+  hal::PlanarPose failed_at_;
+  int failed_here_ = 0;  ///< goals, without getting away
   GoalHistory left_goals_;
   bool is_sent_home_ = false;
   bool was_reopened_ = false;

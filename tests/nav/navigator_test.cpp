@@ -285,6 +285,22 @@ TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot go
   REQUIRE(world.reaches(MissionState::home, 400));
 }
 
+TEST_CASE("Enclosed by touches that are none it forgets them instead of giving up the building") {
+  World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
+  world.run(3);
+  // Pressed all around while it turns, by nothing: as a line with noise, or a lifted bumper, would say.
+  for (int i = 0; i < 8 && world.navigator.mission().is_driving(); ++i) {
+    world.bumper = hal::kobuki::kBumperLeft | hal::kobuki::kBumperRight | hal::kobuki::kBumperCentre;
+    world.step();
+    world.bumper = 0;
+    world.run(1.2);
+  }
+  REQUIRE(world.reaches(MissionState::home, 600));
+  std::size_t known = 0;
+  for (const auto state : world.navigator.ground().states().cells) known += state != nav::CellState::unknown ? 1 : 0;
+  CHECK(static_cast<double>(known) * 0.05 * 0.05 > 0.9 * 8 * 4);
+}
+
 TEST_CASE("Whoever else chooses the goals drives the same robot, is told what became of them, and is brought home") {
   ListChooser::Told told;
   nav::NavigatorConfig config = config_for(25.6);
