@@ -21,19 +21,19 @@ hal::TimeNs after(hal::TimeNs from, double s) { return from + static_cast<hal::T
 
 }  // namespace
 
-std::size_t PasserTracks::gather(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
-                                 const hal::PlanarPose& pose, std::array<Sight, kMostSights>& sights) const {
+std::size_t PasserTracks::gather(const DepthScan& scan, const Rays& wanted, const hal::PlanarPose& pose,
+                                 std::array<Sight, kMostSights>& sights) const {
   const double cos_heading = std::cos(pose.heading_rad);
   const double sin_heading = std::sin(pose.heading_rad);
   const auto& rays = scan.rays();
   const auto ray_count = static_cast<int>(rays.size());
   std::size_t count = 0;
   for (int first = 0; first < ray_count; ++first) {
-    if (!is_somebody[static_cast<std::size_t>(first)]) continue;
+    if (!wanted[static_cast<std::size_t>(first)]) continue;
     int last = first, hits = 0;
     double sum_x_m = 0.0, sum_y_m = 0.0;
     for (int i = first; i < ray_count && i <= last + kMostMissing + 1; ++i) {
-      if (!is_somebody[static_cast<std::size_t>(i)]) continue;
+      if (!wanted[static_cast<std::size_t>(i)]) continue;
       const DepthScan::Ray& ray = rays[static_cast<std::size_t>(i)];
       const DepthScan::Ray& before = rays[static_cast<std::size_t>(last)];
       if (std::hypot(ray.hit_x_m - before.hit_x_m, ray.hit_y_m - before.hit_y_m) > kGap_m) break;
@@ -56,11 +56,11 @@ std::size_t PasserTracks::gather(const DepthScan& scan, const std::array<bool, D
   return count;
 }
 
-PasserTracks::Track* PasserTracks::nearest(const Sight& sight, hal::TimeNs now) {
+PasserTracks::Track* PasserTracks::nearest(const Sight& sight, bool must_have_walked, hal::TimeNs now) {
   Track* best = nullptr;
   double least_m = config_.gate_m;
   for (Track& track : tracks_) {
-    if (track.ends_ns <= now || track.seen_ns == now) continue;
+    if (track.ends_ns <= now || track.seen_ns == now || (must_have_walked && !track.has_walked)) continue;
     const double s = seconds(track.seen_ns, now);
     const double away_m =
         std::hypot(track.x_m + s * track.vx_mps - sight.x_m, track.y_m + s * track.vy_mps - sight.y_m);
@@ -132,17 +132,21 @@ bool PasserTracks::has_way(const Track& track, const CellGrid<CellState>& states
   return true;
 }
 
-void PasserTracks::look(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
+void PasserTracks::look(const DepthScan& scan, const Rays& is_somebody, const Rays& came_lately,
                         const CellGrid<CellState>& states, const MovedLately& moved, const hal::PlanarPose& pose,
                         hal::TimeNs now) {
   std::array<Sight, kMostSights> sights{};
-  const std::size_t count = gather(scan, is_somebody, pose, sights);
+  std::size_t count = gather(scan, is_somebody, pose, sights);
   for (std::size_t i = 0; i < count; ++i) {
-    if (Track* track = nearest(sights[i], now)) {
+    if (Track* track = nearest(sights[i], false, now)) {
       follow(*track, sights[i], now);
     } else {
       oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true, false};
     }
+  }
+  count = gather(scan, came_lately, pose, sights);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (Track* track = nearest(sights[i], true, now)) follow(*track, sights[i], now);
   }
   for (Track& track : tracks_) {
     if (track.ends_ns <= now || track.seen_ns == now) continue;

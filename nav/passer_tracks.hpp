@@ -38,10 +38,12 @@ class PasserTracks {
 
   explicit PasserTracks(const PasserTracksConfig& config) : config_(config) {}
 
-  /// `is_somebody[i]`: what ray i meets is not in the map. `T_world_base`: where the scan was taken. Allocates nothing.
-  void look(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
-            const CellGrid<CellState>& states, const MovedLately& moved, const hal::PlanarPose& T_world_base,
-            hal::TimeNs now);
+  using Rays = std::array<bool, DepthScan::kRays>;
+
+  /// `is_somebody[i]`: what ray i meets is not in the map; `came_lately[i]`: it is, but not for long: who stops becomes
+  /// a part of it. `T_world_base`: where the scan was taken. Allocates nothing.
+  void look(const DepthScan& scan, const Rays& is_somebody, const Rays& came_lately, const CellGrid<CellState>& states,
+            const MovedLately& moved, const hal::PlanarPose& T_world_base, hal::TimeNs now);
 
   /// Somebody stands or walks here; or, if he is out of sight, will be here within `ahead_s`.
   [[nodiscard]] bool may_come(double x_m, double y_m, hal::TimeNs now) const;
@@ -62,9 +64,9 @@ class PasserTracks {
   };
   static constexpr std::size_t kMostSights = 16;
 
-  [[nodiscard]] std::size_t gather(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
-                                   const hal::PlanarPose& T_world_base, std::array<Sight, kMostSights>& sights) const;
-  [[nodiscard]] Track* nearest(const Sight& sight, hal::TimeNs now);
+  [[nodiscard]] std::size_t gather(const DepthScan& scan, const Rays& wanted, const hal::PlanarPose& T_world_base,
+                                   std::array<Sight, kMostSights>& sights) const;
+  [[nodiscard]] Track* nearest(const Sight& sight, bool must_have_walked, hal::TimeNs now);
   [[nodiscard]] Track& oldest();
   void follow(Track& track, const Sight& sight, hal::TimeNs now) const;
   [[nodiscard]] bool is_walking(const Track& track) const;

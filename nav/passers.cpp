@@ -9,17 +9,21 @@ namespace {
 
 constexpr double kBeforeHit_m = 0.1;  // looked through up to here
 
+enum class Known : std::uint8_t { no, lately, yes };
+
 // A reading beside a map's cell is of what stands there. What has moved lately may have come a cell nearer: there the
 // cell itself counts alone.
-bool is_in_map(const CellGrid<CellState>& states, const MovedLately& moved, Cell at, hal::TimeNs now) {
+Known known_at(const CellGrid<CellState>& states, const MovedLately& moved, Cell at, hal::TimeNs now) {
+  Known known = Known::no;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       const Cell c{at.x + dx, at.y + dy};
       if (!states.contains(c) || states.at(c) != CellState::occupied) continue;
-      if (c == at || !moved.is_new(c, now)) return true;
+      if (!moved.is_new(c, now)) return Known::yes;
+      if (c == at) known = Known::lately;
     }
   }
-  return false;
+  return known;
 }
 
 }  // namespace
@@ -48,15 +52,19 @@ void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, con
     }
   }
   const std::uint32_t until = tick(now + static_cast<hal::TimeNs>(config_.hold_s * 1e9));
-  std::array<bool, DepthScan::kRays> is_somebody{};
+  PasserTracks::Rays is_somebody{};
+  PasserTracks::Rays came_lately{};
   for (std::size_t i = 0; i < is_somebody.size(); ++i) {
     const DepthScan::Ray& ray = scan.rays()[i];
     if (!ray.has_hit) continue;
     const Cell c = cell_at(ray.hit_x_m, ray.hit_y_m);
-    is_somebody[i] = until_.contains(c) && !is_in_map(states, moved, c, now);
+    if (!until_.contains(c)) continue;
+    const Known known = known_at(states, moved, c, now);
+    is_somebody[i] = known == Known::no;
+    came_lately[i] = known == Known::lately;
     if (is_somebody[i]) until_.at(c) = until;
   }
-  tracks_.look(scan, is_somebody, states, moved, pose, now);
+  tracks_.look(scan, is_somebody, came_lately, states, moved, pose, now);
 }
 
 }  // namespace g3d::nav

@@ -122,6 +122,37 @@ TEST_CASE("Who stopped before the robot is a body, also when it turns to go arou
   CHECK_FALSE(walk.may_come(stands_x_m + 0.1, 0.15, 10.5));
 }
 
+TEST_CASE("Who has become a part of the map is still somebody, but walls that look new are nobody", "[nav][passers]") {
+  nav::DepthScan scan{nav::DepthScanConfig()};
+  const nav::CellGrid<CellState> floor{0.05, -4.0, -4.0, 160, 160, CellState::free};
+  const nav::MovedLately moved{floor};
+  hal::Frame frame = hal::make_frame(kCamera);
+  for (const bool walked : {false, true}) {
+    nav::PasserTracks tracks{{}};
+    double x_m = 2.0;
+    for (int i = 0; i <= 80; ++i) {
+      const bool walks = walked && i < 15;
+      if (walks) x_m -= 0.05;
+      hal::SimBuildingOptions options;
+      options.camera = kCamera;
+      options.noise = false;
+      options.robots.emplace_back();
+      const std::string text = "floor 0 0 0 20 20 0.1\ncylinder " + std::to_string(x_m) + " 0 0 0.2 1.8\n";
+      hal::SimBuilding building(hal::parse_world(text, "w").value(), options);
+      building.render(0, frame);
+      scan.look(frame, kCamera);
+      nav::PasserTracks::Rays hits{};
+      for (std::size_t k = 0; k < hits.size(); ++k) hits[k] = scan.rays()[k].has_hit;
+      if (i < 20) {
+        tracks.look(scan, hits, {}, floor, moved, {}, at_s(0.1 * i));
+      } else {
+        tracks.look(scan, {}, hits, floor, moved, {}, at_s(0.1 * i));
+      }
+    }
+    CHECK(tracks.may_come(x_m, 0.1, at_s(8.1)) == walked);
+  }
+}
+
 TEST_CASE("Where the camera looks and sees through, he is not", "[nav][passers]") {
   Walk walk;
   walk.look_until(1.0);
@@ -157,11 +188,11 @@ TEST_CASE("Two who cross are two", "[nav][passers]") {
     scan.look(frame, kCamera);
     std::array<bool, nav::DepthScan::kRays> is_somebody{};
     for (std::size_t k = 0; k < is_somebody.size(); ++k) is_somebody[k] = scan.rays()[k].has_hit;
-    tracks.look(scan, is_somebody, floor, moved, {}, at_s(t_s));
+    tracks.look(scan, is_somebody, {}, floor, moved, {}, at_s(t_s));
   }
   frame = hal::make_frame(kCamera);  // blinded
   scan.look(frame, kCamera);
-  tracks.look(scan, {}, floor, moved, {}, at_s(2.1));
+  tracks.look(scan, {}, {}, floor, moved, {}, at_s(2.1));
   CHECK(tracks.may_come(1.4, 1.0, at_s(2.5)));
   CHECK(tracks.may_come(2.3, -0.8, at_s(2.5)));
   CHECK_FALSE(tracks.may_come(1.9, 0.1, at_s(2.5)));
