@@ -64,13 +64,15 @@ bool Emulated::import_blocks(std::uint32_t count) {
 }
 
 bool Emulated::run_frame(FrameCounters& counters) {
-  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_); });
-  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_); });
+  launch(41, kPixelThreads, [&](const Block& block) { read_image(block, memory_, memory_.input->params); });
   if (walks_rays(memory_.input->params.free_by)) {
-    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_); });
+    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_, memory_.input->params); });
   }
-  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_); });
-  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_); });
+  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_, memory_.input->params); });
+  // Both kernels give the same map, so every frame may choose.
+  launch(53, kUpdateThreads, [&, one = next_random() % 2 == 0](const Block& block) {
+    one ? update_map<1>(block, memory_, memory_.input->params) : update_map<4>(block, memory_, memory_.input->params);
+  });
   send(0, counters);
   return true;
 }
@@ -82,8 +84,9 @@ bool Emulated::send_blocks(std::uint32_t first) {
 }
 
 void Emulated::send(std::uint32_t first, FrameCounters& counters) {
-  launch(11, kParcelThreads,
-         [&](const Block& block) { export_blocks(block, memory_, parcels_, &counters, first, room()); });
+  launch(11, kParcelThreads, [&](const Block& block) {
+    export_blocks(block, memory_, memory_.input->params, parcels_, &counters, first, room());
+  });
 }
 
 }  // namespace g3d::mapper::cuda

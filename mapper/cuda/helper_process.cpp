@@ -55,6 +55,7 @@ std::unique_ptr<HelperProcess> HelperProcess::start(const HelperSetup& setup, st
   HelperControl layout{};
   layout.sizes = setup.sizes;
   layout.room = setup.room;
+  layout.update_warps = setup.update_warps;
   helper->bytes_ = lay_out(layout, setup.kernels.size());
   helper->memory_file_ = memfd_create("g3dmap-card", MFD_CLOEXEC);
   if (helper->memory_file_ < 0 || ftruncate(helper->memory_file_, static_cast<off_t>(helper->bytes_)) != 0) {

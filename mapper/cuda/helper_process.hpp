@@ -25,6 +25,7 @@ struct HelperSetup {
   std::span<const float> column_slope;
   std::span<const float> row_slope;
   std::span<const std::uint16_t> mask;
+  std::uint32_t update_warps = 0;        ///< for measurements; see HelperControl
   hal::TimeNs patience_ns = 33'000'000;  ///< a frame's time: a helper that takes longer is taken for hung
 };
 

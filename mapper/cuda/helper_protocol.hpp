@@ -34,9 +34,10 @@ struct HelperControl {
   std::uint32_t asked;     ///< counts commands
   std::uint32_t answered;  ///< counts them as well; by the helper
   std::uint32_t command;
-  std::uint32_t count;  ///< parcels to import, or first changed block to send
-  std::uint32_t ok;     ///< by the helper
-  std::uint32_t room;   ///< parcels in one go
+  std::uint32_t count;         ///< parcels to import, or first changed block to send
+  std::uint32_t ok;            ///< by the helper
+  std::uint32_t room;          ///< parcels in one go
+  std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
   MemorySizes sizes;
   FrameCounters counters;  ///< by the card
   // Offsets in bytes from here

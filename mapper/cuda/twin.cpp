@@ -48,7 +48,7 @@ bool Twin::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry
   report.valid_pixels = counters.valid;
   report.too_near_pixels = counters.too_near;
   report.far_pixels = counters.far;
-  report.invalid_pixels = counters.invalid;
+  report.invalid_pixels = static_cast<std::uint32_t>(pixels) - counters.valid - counters.too_near - counters.far;
   report.hit_blocks = counters.records;
   report.refused_blocks = counters.refused;
   if (counters.changed <= card_->room()) {

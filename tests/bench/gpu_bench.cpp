@@ -12,6 +12,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +33,8 @@ using namespace g3d::mapper;
 namespace {
 
 int failures = 0;
+std::uint32_t update_warps = 0;
+std::string other_kernels;
 
 double now_us() { return static_cast<double>(hal::RealClock().now()) * 1e-3; }
 
@@ -87,11 +91,12 @@ struct Rig {
         twin(settings, sensor, {}, map) {
     std::string problem;
     helper = cuda::HelperProcess::start({.program = cuda::carried_helper(),
-                                         .kernels = cuda::carried_kernels(),
+                                         .kernels = other_kernels.empty() ? cuda::carried_kernels() : other_kernels,
                                          .sizes = twin.builder().sizes(),
                                          .column_slope = sensor.column_slope,
                                          .row_slope = sensor.row_slope,
                                          .mask = twin.builder().mask(),
+                                         .update_warps = update_warps,
                                          .patience_ns = 60'000'000'000},  // a profiler may take its time
                                         problem);
     if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
@@ -135,10 +140,9 @@ void measure(const MapperConfig& config, const test::Workload& work) {
       }
     }
     if (by_stages) {
-      fmt::print(
-          "stages  {}: copy {:.1f} scan {:.1f} reduce {:.1f} walk {:.1f} find {:.1f} update {:.1f} export {:.1f} us\n",
-          title(config, work), median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(stage_us[3]),
-          median(stage_us[4]), median(stage_us[5]), median(stage_us[6]));
+      fmt::print("stages  {}: copy {:.1f} read {:.1f} walk {:.1f} find {:.1f} update {:.1f} export {:.1f} us\n",
+                 title(config, work), median(stage_us[0]), median(stage_us[1]), median(stage_us[2]),
+                 median(stage_us[3]), median(stage_us[4]) + median(stage_us[5]), median(stage_us[6]));
     } else {
       fmt::print("time    {}: {} pass, card {:.1f} us, changed blocks back {:.1f} us, {:.0f} of them\n",
                  title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(changed));
@@ -246,6 +250,11 @@ int main(int argc, char** argv) {
     if (name == "--log") log = value;
     if (name == "--frames") frames = std::atoi(value.c_str());
     if (name == "--times") times = std::atoi(value.c_str());
+    if (name == "--kernels") {
+      std::ifstream file(value);
+      other_kernels.assign(std::istreambuf_iterator<char>(file), {});
+    }
+    if (name == "--warps") update_warps = static_cast<std::uint32_t>(std::atoi(value.c_str()));
     if (name == "--step") step_s = std::atof(value.c_str());
     if (name == "--what") what.push_back(value);
     if (name == "--resolution") resolutions_m.push_back(static_cast<float>(std::atof(value.c_str())));

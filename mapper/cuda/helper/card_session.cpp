@@ -10,11 +10,12 @@ namespace {
 constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
 constexpr unsigned kUpdateThreads = 128;
 constexpr unsigned kParcelThreads = 128;
-constexpr unsigned kSpin = 1;        // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
-constexpr unsigned kDeviceMap = 2;   // CU_MEMHOSTREGISTER_DEVICEMAP
-constexpr int kProcessorCount = 16;  // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
-constexpr int kRelaxedCapture = 2;   // CU_STREAM_CAPTURE_MODE_RELAXED
-constexpr int kErrorLog = 5;         // CU_JIT_ERROR_LOG_BUFFER and its size
+constexpr unsigned kFewBlocks = 100;  // of a frame's box, for each multiprocessor
+constexpr unsigned kSpin = 1;         // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
+constexpr unsigned kDeviceMap = 2;    // CU_MEMHOSTREGISTER_DEVICEMAP
+constexpr int kProcessorCount = 16;   // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
+constexpr int kRelaxedCapture = 2;    // CU_STREAM_CAPTURE_MODE_RELAXED
+constexpr int kErrorLog = 5;          // CU_JIT_ERROR_LOG_BUFFER and its size
 constexpr int kErrorLogBytes = 6;
 
 void put_text(char* to, std::size_t room, const char* a, const char* b, const char* c) {
@@ -55,6 +56,10 @@ bool CardSession::make_context() {
   driver_.device_get_attribute(&processors, kProcessorCount, device_);
   processors_ = static_cast<unsigned>(processors);
   control_->processors = processors_;
+  // A frame finds work in about a third of its box: with less than some blocks of the map for every multiprocessor one
+  // warp for each would leave most of the card idle.
+  by_four_ =
+      control_->update_warps == 0 ? control_->sizes.box_blocks < kFewBlocks * processors_ : control_->update_warps == 4;
   driver_.primary_context_set_flags(device_, kSpin);
   if (!check(driver_.primary_context_retain(&context, device_), "context") ||
       !check(driver_.context_set_current(context), "context") || !check(driver_.stream_create(&stream_, 1), "stream") ||
@@ -76,15 +81,25 @@ bool CardSession::load_kernels() {
   const int loaded = driver_.module_load_data_ex(&module, shared<const char>(control_->program), 2, options, values);
   if (loaded != 0) put_text(control_->problem, sizeof control_->problem, "the driver refuses the kernels: ", log, "");
   if (!check(loaded, "module")) return false;
-  constexpr const char* kNames[kKernelCount] = {"import_blocks_kernel", "scan_image_kernel", "reduce_image_kernel",
-                                                "walk_image_kernel",    "find_work_kernel",  "update_map_kernel",
+  constexpr const char* kNames[kKernelCount] = {"import_blocks_kernel", "read_image_kernel",   "walk_image_kernel",
+                                                "find_work_kernel",     "update_map_1_kernel", "update_map_4_kernel",
                                                 "export_blocks_kernel"};
   for (int i = 0; i < kKernelCount; ++i) {
     if (!check(driver_.module_get_function(&kernels_[i], module, kNames[i]), kNames[i])) return false;
+    const bool by_pixels = i == kRead || i == kWalk || i == kFind;
+    int blocks = 0;
+    if (!check(driver_.max_active_blocks(&blocks, kernels_[i], by_pixels ? kPixelThreads : kUpdateThreads, 0),
+               kNames[i]))
+      return false;
+    at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }
-  std::size_t bytes = 0;
-  if (!check(driver_.module_get_global(&memory_symbol_, &bytes, module, "memory_map"), "memory_map")) return false;
-  if (bytes == sizeof(Memory)) return true;
+  std::size_t map_bytes = 0;
+  std::size_t params_bytes = 0;
+  if (!check(driver_.module_get_global(&memory_symbol_, &map_bytes, module, "memory_map"), "memory_map") ||
+      !check(driver_.module_get_global(&params_symbol_, &params_bytes, module, "frame_params"), "frame_params")) {
+    return false;
+  }
+  if (map_bytes == sizeof(Memory) && params_bytes == sizeof(FrameParams)) return true;
   put_text(control_->problem, sizeof control_->problem, "kernels and helper are of different builds", "", "");
   return false;
 }
@@ -143,21 +158,17 @@ bool CardSession::launch(Kernel kernel, unsigned blocks, unsigned threads, void*
 /// The same grids for every frame: blocks of threads stride over what there is.
 bool CardSession::launch_step(int kernel) {
   const MemorySizes& s = control_->sizes;
-  const unsigned pixel_tiles = tiles(s.width_px, 32) * tiles(s.height_px, 8);
   switch (static_cast<Kernel>(kernel)) {
-    case kScan: {
-      const unsigned rows_together = kPixelThreads / tiles(s.width_px, 8);
-      const unsigned tasks = tiles(s.width_px, 8) + tiles(s.height_px, rows_together) + pixel_tiles + 1;
-      return launch(kScan, tasks, kPixelThreads, nullptr);
-    }
-    case kReduce:
-      return launch(kReduce, tiles(s.width_px, 64) * tiles(s.height_px, 64) + pixel_tiles, kPixelThreads, nullptr);
+    case kRead:
+      return launch(kRead, 2 * tiles(s.width_px, 32) * tiles(s.height_px, 32) + 1, kPixelThreads, nullptr);
     case kWalk:
-      return s.walks_rays == 0 || launch(kWalk, pixel_tiles, kPixelThreads, nullptr);
+      return s.walks_rays == 0 || launch(kWalk, tiles(s.width_px, 32) * tiles(s.height_px, 8), kPixelThreads, nullptr);
     case kFind:
-      return launch(kFind, 8 * processors_, kPixelThreads, nullptr);
-    case kUpdate:
-      return launch(kUpdate, 16 * processors_, kUpdateThreads, nullptr);
+      return launch(kFind, at_once_[kFind], kPixelThreads, nullptr);
+    case kUpdateByOne:
+      return by_four_ || launch(kUpdateByOne, at_once_[kUpdateByOne], kUpdateThreads, nullptr);
+    case kUpdateByFour:
+      return !by_four_ || launch(kUpdateByFour, at_once_[kUpdateByFour], kUpdateThreads, nullptr);
     default:
       return launch_export(0);
   }
@@ -173,7 +184,10 @@ bool CardSession::launch_export(std::uint32_t first) {
 bool CardSession::copy_depth() {
   const char* input = shared<const char>(control_->input);
   const std::uint64_t bytes = reinterpret_cast<std::uintptr_t>(memory_.rgb) - base_;
-  return check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
+  return check(driver_.copy_to_card_async(params_symbol_, input + offsetof(FrameInput, params), sizeof(FrameParams),
+                                          stream_),
+               "parameters") &&
+         check(driver_.copy_to_card_async(base_, input, bytes, stream_), "input");
 }
 
 bool CardSession::copy_colour(CuHandle stream) {
@@ -191,11 +205,11 @@ bool CardSession::launch_frame(bool with_copies) {
         copy_colour(copy_stream_) && check(driver_.event_record(colour_there_, copy_stream_), "event"))) {
     return false;
   }
-  for (int kernel = kScan; kernel < kUpdate; ++kernel) {
+  for (int kernel = kRead; kernel <= kFind; ++kernel) {
     if (!launch_step(kernel)) return false;
   }
   if (with_copies && !check(driver_.stream_wait_event(stream_, colour_there_, 0), "event")) return false;
-  return launch_step(kUpdate);
+  return launch_step(kUpdateByOne) && launch_step(kUpdateByFour);
 }
 
 bool CardSession::run_frame() {
@@ -204,10 +218,10 @@ bool CardSession::run_frame() {
   return launched && launch_export(0) && check(driver_.stream_synchronize(stream_), "frame") && fetch_parcels(0);
 }
 
-/// Events around the launches of the frame, and around what comes back; the copies are through by then.
+/// Events around the launches of the frame, and around what comes back. While the copies before them are under way
+/// everything is handed to the driver, so that the times are the card's alone.
 bool CardSession::run_timed() {
-  bool ok = copy_depth() && copy_colour(stream_) && check(driver_.stream_synchronize(stream_), "input") &&
-            check(driver_.event_record(events_[0], stream_), "event");
+  bool ok = copy_depth() && copy_colour(stream_) && check(driver_.event_record(events_[0], stream_), "event");
   ok = ok &&
        (launch_graph_ != nullptr ? check(driver_.graph_launch(launch_graph_, stream_), "graph") : launch_frame(false));
   ok = ok && check(driver_.event_record(events_[1], stream_), "event") && launch_export(0) &&
@@ -222,7 +236,7 @@ bool CardSession::run_timed() {
 
 bool CardSession::run_stages() {
   bool ok = check(driver_.event_record(events_[0], stream_), "event") && copy_depth() && copy_colour(stream_);
-  for (int i = kScan; ok && i < kKernelCount; ++i) {
+  for (int i = kRead; ok && i < kKernelCount; ++i) {
     ok = check(driver_.event_record(events_[i], stream_), "event") && launch_step(i);
   }
   ok = ok && check(driver_.event_record(events_[kKernelCount], stream_), "event") &&

@@ -15,7 +15,7 @@ class CardSession {
   [[nodiscard]] bool obey();
 
  private:
-  enum Kernel { kImport, kScan, kReduce, kWalk, kFind, kUpdate, kExport, kKernelCount };
+  enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kExport, kKernelCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
@@ -45,6 +45,7 @@ class CardSession {
   int device_ = 0;
   CuHandle stream_ = nullptr;
   CuHandle kernels_[kKernelCount] = {};
+  unsigned at_once_[kKernelCount] = {};  ///< blocks of threads that the card runs side by side
   CuHandle copy_stream_ = nullptr;
   CuHandle whole_graph_ = nullptr;   ///< copies and launches
   CuHandle launch_graph_ = nullptr;  ///< launches alone
@@ -52,12 +53,14 @@ class CardSession {
   CuHandle begun_ = nullptr;  ///< between the two streams
   CuHandle colour_there_ = nullptr;
   CuDevicePointer memory_symbol_ = 0;
+  CuDevicePointer params_symbol_ = 0;
   CuDevicePointer base_ = 0;
   CuDevicePointer card_counters_ = 0;
   Memory memory_{};
   Parcels parcels_{};  ///< as the card sees them
   bool mapped_ = false;
   unsigned processors_ = 1;
+  bool by_four_ = false;  ///< warps for a block of the map, else one
 };
 
 }  // namespace g3d::mapper::cuda

@@ -44,6 +44,7 @@ const char* load_driver(Driver& d) {
       entry("cuStreamCreate", d.stream_create),
       entry("cuStreamSynchronize", d.stream_synchronize),
       entry("cuLaunchKernel", d.launch_kernel),
+      entry("cuOccupancyMaxActiveBlocksPerMultiprocessor", d.max_active_blocks),
       entry("cuEventCreate", d.event_create),
       entry("cuEventRecord", d.event_record),
       entry("cuStreamWaitEvent", d.stream_wait_event),

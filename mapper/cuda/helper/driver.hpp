@@ -34,6 +34,7 @@ struct Driver {
   int (*stream_synchronize)(CuHandle);
   int (*launch_kernel)(CuHandle, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, CuHandle, void**,
                        void**);
+  int (*max_active_blocks)(int*, CuHandle, int, std::size_t);
   int (*event_create)(CuHandle*, unsigned);
   int (*event_record)(CuHandle, CuHandle);
   int (*stream_wait_event)(CuHandle, CuHandle, unsigned);

@@ -3,7 +3,7 @@
 // by operation.
 #pragma once
 
-#include "mapper/cuda/kernels/common.hpp"
+#include "mapper/cuda/kernels/reduce.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -66,45 +66,46 @@ inline G3D_GPU BoxBound bound_box(const cpu::BoxView& b, float x_m, float y_m, f
   return out;
 }
 
-struct EndRange {
-  std::uint32_t min;
-  std::uint32_t max;
+/// Cells of one level of the pyramid that cover some columns and rows; see cpu::DepthPyramid. Cells above the last
+/// level that is kept are gathered from their parts: the same numbers.
+struct CellRange {
+  const std::uint32_t* cells;
+  std::int32_t width;  ///< of the level
+  std::int32_t x0, y0, x1, y1;
 };
-
-/// Bounds of all ends in columns u0..u1 and rows v0..v1; see cpu::DepthPyramid. Cells above the last level that is kept
-/// are gathered from their parts: the same numbers.
-inline G3D_GPU EndRange end_range(const FrameParams& f, const Memory& m, int u0, int v0, int u1, int v1) {
+inline G3D_GPU CellRange cells_of(const FrameParams& f, const Memory& m, int u0, int v0, int u1, int v1) {
   const int extent = most(u1 - u0, v1 - v0);
   int l = 0;
   while ((extent >> (kBaseLevel + l)) >= 3 && l + 1 < f.pyramid_levels) ++l;
   const int kept = least(l, kPyramidLevels - 1);
   const ImageShape& shape = f.shapes[kBaseLevel + kept];
-  const std::uint32_t* cells = m.pyramid[kept];
   const int shift = kBaseLevel + l;
   const int parts = l - kept;
-  const int x0 = (u0 >> shift) << parts;
-  const int y0 = (v0 >> shift) << parts;
-  const int x1 = least((((u1 >> shift) + 1) << parts) - 1, shape.width - 1);
-  const int y1 = least((((v1 >> shift) + 1) << parts) - 1, shape.height - 1);
-  EndRange range{0xFFFFU, 0U};
-  if (parts == 0) {
-    // At most 4 x 4 cells: sixteen looks at once, some of them at the same cell, cost less than a loop of waits.
+  return {m.pyramid[kept],
+          shape.width,
+          (u0 >> shift) << parts,
+          (v0 >> shift) << parts,
+          least((((u1 >> shift) + 1) << parts) - 1, shape.width - 1),
+          least((((v1 >> shift) + 1) << parts) - 1, shape.height - 1)};
+}
+
+/// Lowest and highest end of one thread's share of the cells, when kSharers threads share them: rows, four cells at
+/// once.
+template <int kSharers>
+inline G3D_GPU std::uint32_t gather_ends(const CellRange& r, int sharer) {
+  std::uint32_t ends = pack_ends(kNoLow, 0);
+  constexpr int kRowsAtOnce = kSharers < 4 ? 4 : 1;
+#pragma GCC unroll 1
+  for (int y = r.y0 + sharer; y <= r.y1; y += kSharers * kRowsAtOnce) {
+#pragma GCC unroll 1
+    for (int x = r.x0; x <= r.x1; x += 4) {
 #pragma GCC unroll 16
-    for (int i = 0; i < 16; ++i) {
-      const std::uint32_t cell = cells[least(y0 + i / 4, y1) * shape.width + least(x0 + i % 4, x1)];
-      range.min = least(range.min, cell & 0xFFFFU);
-      range.max = most(range.max, cell >> 16);
-    }
-    return range;
-  }
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const std::uint32_t cell = cells[y * shape.width + x];
-      range.min = least(range.min, cell & 0xFFFFU);
-      range.max = most(range.max, cell >> 16);
+      for (int i = 0; i < 4 * kRowsAtOnce; ++i) {
+        ends = join_ends(ends, r.cells[least(y + i / 4 * kSharers, r.y1) * r.width + least(x + i % 4, r.x1)]);
+      }
     }
   }
-  return range;
+  return ends;
 }
 
 /// What is known of the rays that pass a box.
@@ -118,49 +119,76 @@ inline G3D_GPU float behind_m(const FrameParams& f, float z_m, float half_z_m) {
   return z_m + half_z_m + most(f.bias_m, 0.0F) + f.metres_per_unit;
 }
 
-inline G3D_GPU View decide(const FrameParams& f, const Memory& m, const cpu::BoxView& view, bool is_block, float x_m,
-                           float y_m, float z_m, RayBounds& rays) {
-  const BoxBound box = bound_box(view, x_m, y_m, z_m);
+/// Ends within what a box covers, as far as they are of account: of all its windows, and of its voxels' own pixels.
+template <int kSharers>
+inline G3D_GPU void gather_box(const FrameParams& f, const Memory& m, const BoxBound& box, int sharer,
+                               std::uint32_t& ends, std::uint32_t& own) {
+  ends = pack_ends(kNoLow, 0);
+  own = pack_ends(kNoLow, 0);
+  if (box.hidden) return;
+  const CellRange all = cells_of(f, m, box.u0, box.v0, box.u1, box.v1);
+  const CellRange inner = box.inside ? cells_of(f, m, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1) : all;
+  ends = gather_ends<kSharers>(all, sharer);
+  if (box.inside) own = gather_ends<kSharers>(inner, sharer);
+}
+
+/// What follows for a box from gather_box(), all shares joined.
+inline G3D_GPU View conclude(const FrameParams& f, const cpu::BoxView& view, bool is_block, const BoxBound& box,
+                             std::uint32_t ends, std::uint32_t own, float z_m, RayBounds& rays) {
   if (box.hidden) return View::hidden;
-  const EndRange ends = end_range(f, m, box.u0, box.v0, box.u1, box.v1);
-  rays.farthest_m = static_cast<float>(ends.max) * f.metres_per_unit;
-  if (ends.max == 0 || rays.farthest_m < z_m - view.half_z_m) return View::hidden;
+  rays.farthest_m = static_cast<float>(ends >> 16) * f.metres_per_unit;
+  if (ends >> 16 == 0 || rays.farthest_m < z_m - view.half_z_m) return View::hidden;
   if (!box.inside) return box.clear && f.window_px_m > 0.0F ? View::look : View::look_at_border;
   const float behind = behind_m(f, z_m, view.half_z_m);
   if (rays.farthest_m <= behind && !is_block) return View::look;
-  const EndRange own = end_range(f, m, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1);
-  rays.nearest_m = static_cast<float>(own.min) * f.metres_per_unit;
+  rays.nearest_m = static_cast<float>(own & 0xFFFFU) * f.metres_per_unit;
   return rays.nearest_m > behind ? View::all_free : View::look;
 }
 
+/// Joins the shares of kSharers neighbouring threads.
+template <int kSharers, typename Group, int kThreads>
+inline G3D_GPU void join_shares(const Group& group, PerThread<std::uint32_t, kThreads>& ends,
+                                PerThread<std::uint32_t, kThreads>& own) {
+  PerThread<std::uint32_t, kThreads> joined;
+#pragma GCC unroll 5
+  for (int bits = 1; bits < kSharers; bits *= 2) {
+    for (PerThread<std::uint32_t, kThreads>* values : {&ends, &own}) {
+      group.lanes([&](int t) { joined[t] = join_ends((*values)[t], values->peer(t, bits)); });
+      group.lanes([&](int t) { (*values)[t] = joined[t]; });
+    }
+  }
+}
+
 /// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks.
-inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const Corner& corner, const RayBounds& block,
-                                 int brick) {
-  const float x_m = corner.x_m + f.brick_middle_m[0][brick];
-  const float y_m = corner.y_m + f.brick_middle_m[1][brick];
+inline G3D_GPU BoxBound bound_brick(const FrameParams& f, const Corner& corner, int brick) {
+  return bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick],
+                   corner.z_m + f.brick_middle_m[2][brick]);
+}
+/// `sides`: 1 if its bound is hidden, 2 if inside, 4 if clear.
+inline G3D_GPU View conclude_brick(const FrameParams& f, const Corner& corner, int brick, std::uint32_t sides,
+                                   const RayBounds& block, std::uint32_t ends, std::uint32_t own) {
   const float z_m = corner.z_m + f.brick_middle_m[2][brick];
   const float half_z_m = f.brick_view.half_z_m;
   if (block.farthest_m < z_m - half_z_m) return View::hidden;
   if (block.nearest_m > behind_m(f, z_m, half_z_m)) return View::all_free;
+  BoxBound box{};
+  box.hidden = (sides & 1U) != 0;
+  box.inside = (sides & 2U) != 0;
+  box.clear = (sides & 4U) != 0;
   RayBounds rays;
-  return decide(f, m, f.brick_view, false, x_m, y_m, z_m, rays);
+  return conclude(f, f.brick_view, false, box, ends, own, z_m, rays);
 }
 
-inline G3D_GPU View decide_super(const FrameParams& f, const Memory& m, int sx, int sy, int sz) {
-  const Corner first = corner_of(f, 4 * sx, 4 * sy, 4 * sz);
-  RayBounds rays;
-  return decide(f, m, f.super_view, false, first.x_m + f.super_middle_m[0], first.y_m + f.super_middle_m[1],
-                first.z_m + f.super_middle_m[2], rays);
-}
-
-/// Block i (x fastest) of a group of 4x4x4, whose class is known.
-inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, View super, int sx, int sy, int sz, int i,
-                                 RayBounds& rays) {
-  if (super == View::hidden || super == View::all_free) return super;
-  const Corner first = corner_of(f, 4 * sx, 4 * sy, 4 * sz);
-  return decide(f, m, f.block_view, true, first.x_m + m.input->tables.block_middle_m[0][i],
-                first.y_m + m.input->tables.block_middle_m[1][i], first.z_m + m.input->tables.block_middle_m[2][i],
-                rays);
+/// Block i (x fastest) of a group of 4x4x4 whose first voxel lies at `first`.
+inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, const Corner& first, int i, RayBounds& rays) {
+  const FrameTables& tables = m.input->tables;
+  const float z_m = first.z_m + tables.block_middle_m[2][i];
+  const BoxBound box =
+      bound_box(f.block_view, first.x_m + tables.block_middle_m[0][i], first.y_m + tables.block_middle_m[1][i], z_m);
+  std::uint32_t ends;
+  std::uint32_t own;
+  gather_box<1>(f, m, box, 0, ends, own);
+  return conclude(f, f.block_view, true, box, ends, own, z_m, rays);
 }
 
 }  // namespace g3d::mapper::cuda
