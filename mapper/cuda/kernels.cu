@@ -19,7 +19,7 @@ __attribute__((constant)) FrameParams frame_params;
 G3D_KERNEL(kParcelThreads, 8) import_blocks_kernel(const Parcels in, std::uint32_t count) {
   import_blocks(Block{}, memory_map, in, count);
 }
-G3D_KERNEL(kPixelThreads, 3) read_image_kernel() { read_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 5) read_image_kernel() { read_image(Block{}, memory_map, frame_params); }
 G3D_KERNEL(kPixelThreads, 6) walk_image_kernel() { walk_image(Block{}, memory_map, frame_params); }
 G3D_KERNEL(kPixelThreads, 3) find_work_kernel() { find_work(Block{}, memory_map, frame_params); }
 G3D_KERNEL(kUpdateThreads, 6) update_map_1_kernel() { update_map<1>(Block{}, memory_map, frame_params); }

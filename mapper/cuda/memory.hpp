@@ -29,13 +29,12 @@ struct GpuBlock {
 
 /// A block that the frame may change.
 struct alignas(32) WorkItem {
-  std::uint32_t where;   ///< in the frame's box: x | y << 10 | z << 20
-  std::uint32_t slot;    ///< kNone: not in the map yet
-  std::uint32_t record;  ///< kNone: nothing was measured in it
-  std::uint32_t view;    ///< View
-  float farthest_m;      ///< see cpu::BlockView
-  float nearest_m;
-  std::uint32_t plane;  ///< as the frame found the block
+  std::uint32_t where;       ///< in the frame's box: x | y << 10 | z << 20
+  std::uint32_t slot;        ///< kNone: not in the map yet
+  std::uint32_t record;      ///< kNone: nothing was measured in it
+  std::uint32_t view;        ///< View
+  std::uint32_t choices[2];  ///< a byte for each brick: View | window's level << 2 | cells << 5
+  std::uint32_t plane;       ///< as the frame found the block
   std::uint32_t uniform_level;
 };
 

@@ -10,6 +10,7 @@ namespace {
 constexpr unsigned kPixelThreads = 256;  // as kernels/common.hpp has them
 constexpr unsigned kUpdateThreads = 128;
 constexpr unsigned kParcelThreads = 128;
+constexpr unsigned kPoolShares = kShares;
 constexpr unsigned kFewBlocks = 100;  // of a frame's box, for each multiprocessor
 constexpr unsigned kSpin = 1;         // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
 constexpr unsigned kDeviceMap = 2;    // CU_MEMHOSTREGISTER_DEVICEMAP
@@ -160,7 +161,8 @@ bool CardSession::launch_step(int kernel) {
   const MemorySizes& s = control_->sizes;
   switch (static_cast<Kernel>(kernel)) {
     case kRead:
-      return launch(kRead, 2 * tiles(s.width_px, 32) * tiles(s.height_px, 32) + 1, kPixelThreads, nullptr);
+      return launch(kRead, 3 * kPoolShares + 2 * tiles(s.width_px, 32) * tiles(s.height_px, 32), kPixelThreads,
+                    nullptr);
     case kWalk:
       return s.walks_rays == 0 || launch(kWalk, tiles(s.width_px, 32) * tiles(s.height_px, 8), kPixelThreads, nullptr);
     case kFind:

@@ -72,32 +72,27 @@ inline G3D_GPU void settle_share(GpuPool& share) {
   share.taken = 0;
 }
 
-/// Takes off what was taken and puts what was given back onto the stacks. In a launch that does neither, by one block
-/// of threads, a warp for a share.
-inline G3D_GPU void tidy_pools(const Block& block, const Memory& m) {
+inline constexpr int kTidyTasks = 3 * static_cast<int>(kShares);
+
+/// Takes off what was taken from one share and puts what was given back onto its stack. In a launch that does neither.
+inline G3D_GPU void tidy_share(const Block& block, const Memory& m, int task) {
   MapState& s = *m.state;
-  constexpr int kAll = 3 * static_cast<int>(kShares);
-  const auto share_of = [&](int number) -> GpuPool& {
-    GpuPools& pools = number % 3 == 0 ? s.blocks : number % 3 == 1 ? s.planes : s.bricks;
-    return pools.shares[number / 3];
-  };
+  const int kind = task / static_cast<int>(kShares);
+  GpuPool& share = (kind == 0 ? s.blocks : kind == 1 ? s.planes : s.bricks).shares[task % static_cast<int>(kShares)];
   block.each([&](int t) {
-    for (int number = t / 32; number < kAll; number += kPixelThreads / 32) {
-      const GpuPool& share = share_of(number);
-      const std::uint32_t count = share.returned_count;
-      std::uint32_t* to = (number % 3 == 0   ? m.free_blocks
-                           : number % 3 == 1 ? m.free_planes
-                                             : m.free_bricks) +
-                          share.first + left_on_stack(share);
-      const std::uint32_t* from = (number % 3 == 0   ? m.returned_blocks
-                                   : number % 3 == 1 ? m.returned_planes
-                                                     : m.returned_bricks) +
-                                  share.first;
-      for (std::uint32_t i = static_cast<std::uint32_t>(t % 32); i < count; i += 32) to[i] = from[i];
-    }
+    std::uint32_t* to = (kind == 0   ? m.free_blocks
+                         : kind == 1 ? m.free_planes
+                                     : m.free_bricks) +
+                        share.first + left_on_stack(share);
+    const std::uint32_t* from = (kind == 0   ? m.returned_blocks
+                                 : kind == 1 ? m.returned_planes
+                                             : m.returned_bricks) +
+                                share.first;
+    const std::uint32_t count = share.returned_count;
+    for (std::uint32_t i = static_cast<std::uint32_t>(t); i < count; i += kPixelThreads) to[i] = from[i];
   });
   block.each([&](int t) {
-    if (t < kAll) settle_share(share_of(t));
+    if (t == 0) settle_share(share);
   });
 }
 

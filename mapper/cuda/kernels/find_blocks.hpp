@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mapper/cuda/kernels/block_table.hpp"
-#include "mapper/cuda/kernels/visible.hpp"
+#include "mapper/cuda/kernels/projection.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -38,9 +38,33 @@ inline G3D_GPU void look_up(const FrameParams& f, const Memory& m, FoundBlock& b
 
 using FoundBlocks = PerThread<FoundBlock, kPixelThreads>;
 
+/// Items of a block of threads, until all of them together have decided about the items' bricks.
+struct ItemBricks {
+  ListShares lists;
+  std::uint32_t where[kPixelThreads];
+  View view[kPixelThreads];
+  float farthest_m[kPixelThreads];  ///< see RayBounds
+  float nearest_m[kPixelThreads];
+};
+
+/// View and window of one brick of an item.
+inline G3D_GPU std::uint32_t choose_brick(const FrameParams& f, const Memory& m, const ItemBricks& s, int item,
+                                          int brick) {
+  View view = s.view[item];
+  if (f.free_by != FreeBy::projection) return static_cast<std::uint32_t>(view);
+  const std::uint32_t where = s.where[item];
+  const Corner corner = corner_of(f, static_cast<int>(where & 1023U), static_cast<int>(where >> 10 & 1023U),
+                                  static_cast<int>(where >> 20));
+  if (view == View::look || view == View::look_at_border) {
+    view = decide_brick(f, m, corner, {s.farthest_m[item], s.nearest_m[item]}, brick);
+  }
+  return static_cast<std::uint32_t>(view) | choose_window(f, f.units_per_metre * corner.z_m + f.middle_units[brick])
+                                                << 2;
+}
+
 /// What becomes of the blocks that the threads have found.
 inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const FrameParams& f, FoundBlocks& found) {
-  G3D_GPU_SHARED ListShares s;
+  G3D_GPU_SHARED ItemBricks s;
   FrameCounters& counters = m.input->counters;
   const std::uint32_t share_number = static_cast<std::uint32_t>(block.index) % kShares;
   GpuPool& share = m.state->blocks.shares[share_number];
@@ -61,18 +85,22 @@ inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const Fra
       m.blocks[b.slot].uniform_level = after_miss(static_cast<std::uint8_t>(b.uniform_level), steps_of(f));
     }
   });
-  append<2>(block, s, wants, {&share.taken, &counters.items}, places);
+  append<2>(block, s.lists, wants, {&share.taken, &counters.items}, places);
   block.each([&](int t) {
     FoundBlock& b = found[t];
     if (wants[1][t] != 0) {
-      m.items[places[1][t]] = {static_cast<std::uint32_t>(b.bx | b.by << 10 | b.bz << 20),
-                               b.slot,
-                               b.record - 1,  // kNone for 0
-                               static_cast<std::uint32_t>(b.view),
-                               b.rays.farthest_m,
-                               b.rays.nearest_m,
-                               b.plane,
-                               b.uniform_level};
+      WorkItem& item = m.items[places[1][t]];
+      item.where = static_cast<std::uint32_t>(b.bx | b.by << 10 | b.bz << 20);
+      item.slot = b.slot;
+      item.record = b.record - 1;  // kNone for 0
+      item.view = static_cast<std::uint32_t>(b.view);
+      item.plane = b.plane;
+      item.uniform_level = b.uniform_level;
+      const std::uint32_t here = places[1][t] - s.lists.first[1][0];
+      s.where[here] = item.where;
+      s.view[here] = b.view;
+      s.farthest_m[here] = b.rays.farthest_m;
+      s.nearest_m[here] = b.rays.nearest_m;
     }
     if (wants[0][t] == 0) return;
     b.slot = slot_of(start_of(share), m.free_blocks, places[0][t]);
@@ -84,7 +112,17 @@ inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const Fra
     }
     write_new_block(m, block_key_at(f, b.bx, b.by, b.bz), b.slot, after_miss(kUnknownLevel, steps_of(f)));
   });
-  append<1>(block, s, changes, {&counters.changed}, changed_places);
+  // Eight threads for each item.
+  block.each([&](int t) {
+    int count = 0;
+    for (const std::uint32_t wanted : s.lists.wanted[1]) count += static_cast<int>(wanted);
+    for (int i = t; i < kBricks * count; i += kPixelThreads) {
+      WorkItem& item = m.items[s.lists.first[1][0] + static_cast<std::uint32_t>(i / kBricks)];
+      reinterpret_cast<std::uint8_t*>(item.choices)[i % kBricks] =
+          static_cast<std::uint8_t>(choose_brick(f, m, s, i / kBricks, i % kBricks));
+    }
+  });
+  append<1>(block, s.lists, changes, {&counters.changed}, changed_places);
   block.each([&](int t) {
     if (changes[0][t] != 0) m.changed[changed_places[0][t]] = found[t].slot;
   });

@@ -26,14 +26,14 @@ inline G3D_GPU void import_blocks(const Block& block, const Memory& m, const Par
 
 inline G3D_GPU void read_image(const Block& block, const Memory& m, const FrameParams& f) {
   const int reads = tiles(f.width_px, kTile_px) * tiles(f.height_px, kTile_px);
-  const int all = reads + tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows) + 1;
+  const int all = kTidyTasks + 2 * reads;
   for (int task = block.index; task < all; task += block.count) {
-    if (task < reads) {
-      read_tile(block, m, f, task);
-    } else if (task + 1 < all) {
-      mark_hit_blocks(block, m, f, task - reads);
+    if (task < kTidyTasks) {
+      tidy_share(block, m, task);
+    } else if (task < kTidyTasks + reads) {
+      read_tile(block, m, f, task - kTidyTasks);
     } else {
-      tidy_pools(block, m);
+      mark_hit_blocks(block, m, f, task - kTidyTasks - reads);
     }
   }
 }

@@ -16,7 +16,7 @@ struct Window {
   std::int32_t shift;  ///< between the looks, 0: one is enough
 };
 
-/// Which windows voxels around a depth need: level | cells << 8; see cpu::FootprintImages::choose.
+/// Which windows voxels around a depth need: level | cells << 3; see cpu::FootprintImages::choose.
 inline G3D_GPU std::uint32_t choose_window(const FrameParams& f, float z_units) {
   const float z_m = most(z_units, f.min_z_units) * f.metres_per_unit;
   float cells = f.window_px_m / z_m;
@@ -27,13 +27,13 @@ inline G3D_GPU std::uint32_t choose_window(const FrameParams& f, float z_units) 
   }
   const int smallest = level == 0 ? least(f.smallest_window, kLargestWindow) : 4;
   const int halves = static_cast<int>(2.0F * cells + 1.0F);  // the nearest whole number is half of it
-  return static_cast<std::uint32_t>(level | least(most(halves / 2, smallest), kLargestWindow) << 8);
+  return static_cast<std::uint32_t>(level | least(most(halves / 2, smallest), kLargestWindow) << 3);
 }
 
 inline G3D_GPU Window window_of(const FrameParams& f, const Memory& m, std::uint32_t choice) {
   Window window;
-  window.level = static_cast<std::int32_t>(choice & 0xFFU);
-  window.cells = static_cast<std::int32_t>(choice >> 8);
+  window.level = static_cast<std::int32_t>(choice & 7U);
+  window.cells = static_cast<std::int32_t>(choice >> 3);
   window.place = f.windows[window.level][window.cells];
   window.image = window.cells >= 4 ? m.four[window.level] : window.cells >= 2 ? m.two : m.ends[0];
   window.stride = f.shapes[window.level].stride;

@@ -14,10 +14,8 @@ template <int kWarps>
 struct Deal {
   static constexpr int kThreads = 32 * kWarps;
   static constexpr int kBricksHere = kBricks / kWarps;  ///< of a warp
-  static constexpr int kSharers = 32 / kBricksHere;     ///< lanes that decide about one brick
   [[nodiscard]] static constexpr int brick_of(int t, int j) { return t / 32 * kBricksHere + j; }
   [[nodiscard]] static constexpr int place_of(int t, int j) { return brick_of(t, j) * kBrickSize + t % 32 * 2; }
-  [[nodiscard]] static constexpr int decided_brick(int t) { return brick_of(t, t % 32 / kSharers); }
 };
 
 /// Reads a thread's voxels. All looks before the first use: one wait instead of many.
@@ -46,50 +44,10 @@ inline G3D_GPU void load_voxels(const Memory& m, const WorkItem& item, UpdateSta
   for (int j = 0; j < D::kBricksHere; ++j) s.pairs[D::place_of(t, j) / 2] = static_cast<std::uint16_t>(pairs[j]);
 }
 
-/// Reads a block's voxels and says of each brick what rays tell of it: window | view << 16, in the lanes that share it.
-template <int kWarps>
-inline G3D_GPU void begin_block(const Team<kWarps>& team, const Memory& m, const FrameParams& f, const WorkItem& item,
-                                const Corner& corner, UpdateState& s, PerThread<std::uint32_t, 32 * kWarps>& choices) {
-  using D = Deal<kWarps>;
-  PerThread<std::uint32_t, D::kThreads> ends;
-  PerThread<std::uint32_t, D::kThreads> own;
-  PerThread<std::uint32_t, D::kThreads> sides;
-  const View view = static_cast<View>(item.view);
-  const bool looks = f.free_by == FreeBy::projection && (view == View::look || view == View::look_at_border);
-  team.lanes([&](int t) {
-    if (t == 0) s.summary = 0;
-    if (t == 1 % D::kThreads) s.touched_bricks = 0;
-    if (t == 2 % D::kThreads) s.coloured_bricks = 0;
-    if (t == 3 % D::kThreads) s.recoloured = 0;
-    if (t < kBricks) s.old_bricks[t] = item.slot != kNone ? m.blocks[item.slot].bricks[t] : kNone;
-    load_voxels<kWarps>(m, item, s, t);
-    choices[t] = item.view << 16;
-    if (!looks) return;
-    const BoxBound box = bound_brick(f, corner, D::decided_brick(t));
-    sides[t] = (box.hidden ? 1U : 0U) | (box.inside ? 2U : 0U) | (box.clear ? 4U : 0U);
-    gather_box<D::kSharers>(f, m, box, t % D::kSharers, ends[t], own[t]);
-  });
-  if (looks) {
-    join_shares<D::kSharers>(team, ends, own);
-    team.lanes([&](int t) {
-      const View found =
-          conclude_brick(f, corner, D::decided_brick(t), sides[t], {item.farthest_m, item.nearest_m}, ends[t], own[t]);
-      choices[t] = static_cast<std::uint32_t>(found) << 16;
-    });
-  }
-  if (f.free_by == FreeBy::projection) {
-    team.lanes([&](int t) {
-      choices[t] |= choose_window(f, f.units_per_metre * corner.z_m + f.middle_units[D::decided_brick(t)]);
-    });
-  }
-  team.each([](int) {});
-}
-
 /// Says what becomes of all voxels.
 template <int kWarps>
 inline G3D_GPU void look_at_voxels(const Team<kWarps>& team, const Memory& m, const FrameParams& f,
-                                   const WorkItem& item, std::uint32_t block_id, const Corner& corner, UpdateState& s,
-                                   const PerThread<std::uint32_t, 32 * kWarps>& choices) {
+                                   const WorkItem& item, std::uint32_t block_id, const Corner& corner, UpdateState& s) {
   using D = Deal<kWarps>;
   PerThread<std::uint32_t, D::kThreads> summary;
   PerThread<std::uint32_t, D::kThreads> all;   // bits that all bytes have, for both of a pair
@@ -107,17 +65,18 @@ inline G3D_GPU void look_at_voxels(const Team<kWarps>& team, const Memory& m, co
 #pragma GCC unroll 1
   for (int j = 0; j < D::kBricksHere; ++j) {
     team.lanes([&](int t) {
-      const std::uint32_t choice = choices.of(t, j * D::kSharers);
+      const int number = D::brick_of(t, j);
+      const std::uint32_t choice = (number < 4 ? item.choices[0] : item.choices[1]) >> (8 * (number % 4)) & 0xFFU;
       VoxelPair pair;
       pair.place = D::place_of(t, j);
       pair.old = s.pairs[pair.place / 2];
       pair.hit[0] = item.record != kNone ? s.hits[pair.place] : kNoHit;
       pair.hit[1] = item.record != kNone ? s.hits[pair.place + 1] : kNoHit;
-      pair.view = static_cast<View>(choice >> 16);
+      pair.view = static_cast<View>(choice & 3U);
       std::uint32_t bytes = pair.old;
       std::uint32_t found = 0;
       if (pair.view != View::hidden || item.record != kNone) {
-        bytes = updated_pair(f, m, block_id, block, choice & 0xFFFFU, pair, found);
+        bytes = updated_pair(f, m, block_id, block, choice >> 2, pair, found);
         if (bytes != pair.old) s.pairs[pair.place / 2] = static_cast<std::uint16_t>(bytes);
       }
       const std::uint32_t in_the_end = coloured_pair(pair, bytes);
@@ -257,9 +216,15 @@ inline G3D_GPU std::uint32_t update_block(const Team<kWarps>& team, const Memory
   const int bz = static_cast<int>(item.where >> 20);
   const std::uint32_t block_id = block_id_at(f, bx, by, bz);
   const Corner corner = corner_of(f, bx, by, bz);
-  PerThread<std::uint32_t, 32 * kWarps> choices;
-  begin_block<kWarps>(team, m, f, item, corner, s, choices);
-  look_at_voxels<kWarps>(team, m, f, item, block_id, corner, s, choices);
+  team.each([&](int t) {
+    if (t == 0) s.summary = 0;
+    if (t == 1) s.touched_bricks = 0;
+    if (t == 2) s.coloured_bricks = 0;
+    if (t == 3) s.recoloured = 0;
+    if (t < kBricks) s.old_bricks[t] = item.slot != kNone ? m.blocks[item.slot].bricks[t] : kNone;
+    load_voxels<kWarps>(m, item, s, t);
+  });
+  look_at_voxels<kWarps>(team, m, f, item, block_id, corner, s);
   const Outcome outcome = outcome_of(s);
   std::uint32_t changed = kNone;
   if (outcome.changes) {

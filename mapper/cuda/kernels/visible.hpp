@@ -159,22 +159,18 @@ inline G3D_GPU void join_shares(const Group& group, PerThread<std::uint32_t, kTh
   }
 }
 
-/// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks.
-inline G3D_GPU BoxBound bound_brick(const FrameParams& f, const Corner& corner, int brick) {
-  return bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick],
-                   corner.z_m + f.brick_middle_m[2][brick]);
-}
-/// `sides`: 1 if its bound is hidden, 2 if inside, 4 if clear.
-inline G3D_GPU View conclude_brick(const FrameParams& f, const Corner& corner, int brick, std::uint32_t sides,
-                                   const RayBounds& block, std::uint32_t ends, std::uint32_t own) {
+/// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks. `block`: what is known of the block's rays.
+inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const Corner& corner, const RayBounds& block,
+                                 int brick) {
   const float z_m = corner.z_m + f.brick_middle_m[2][brick];
   const float half_z_m = f.brick_view.half_z_m;
   if (block.farthest_m < z_m - half_z_m) return View::hidden;
   if (block.nearest_m > behind_m(f, z_m, half_z_m)) return View::all_free;
-  BoxBound box{};
-  box.hidden = (sides & 1U) != 0;
-  box.inside = (sides & 2U) != 0;
-  box.clear = (sides & 4U) != 0;
+  const BoxBound box =
+      bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick], z_m);
+  std::uint32_t ends;
+  std::uint32_t own;
+  gather_box<1>(f, m, box, 0, ends, own);
   RayBounds rays;
   return conclude(f, f.brick_view, false, box, ends, own, z_m, rays);
 }
