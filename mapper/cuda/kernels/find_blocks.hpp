@@ -48,22 +48,23 @@ struct ItemBricks {
 };
 
 /// View and window of one brick of an item.
-inline G3D_GPU std::uint32_t choose_brick(const FrameParams& f, const Memory& m, const ItemBricks& s, int item,
-                                          int brick) {
+inline G3D_GPU std::uint32_t choose_brick(const FrameParams& f, const Memory& m, const TopLevels& top,
+                                          const ItemBricks& s, int item, int brick) {
   View view = s.view[item];
   if (f.free_by != FreeBy::projection) return static_cast<std::uint32_t>(view);
   const std::uint32_t where = s.where[item];
   const Corner corner = corner_of(f, static_cast<int>(where & 1023U), static_cast<int>(where >> 10 & 1023U),
                                   static_cast<int>(where >> 20));
   if (view == View::look || view == View::look_at_border) {
-    view = decide_brick(f, m, corner, {s.farthest_m[item], s.nearest_m[item]}, brick);
+    view = decide_brick(f, m, top, corner, {s.farthest_m[item], s.nearest_m[item]}, brick);
   }
   return static_cast<std::uint32_t>(view) | choose_window(f, f.units_per_metre * corner.z_m + f.middle_units[brick])
                                                 << 2;
 }
 
 /// What becomes of the blocks that the threads have found.
-inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const FrameParams& f, FoundBlocks& found) {
+inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const FrameParams& f, const TopLevels& top,
+                                  FoundBlocks& found) {
   G3D_GPU_SHARED ItemBricks s;
   FrameCounters& counters = m.input->counters;
   const std::uint32_t share_number = static_cast<std::uint32_t>(block.index) % kShares;
@@ -119,7 +120,7 @@ inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const Fra
     for (int i = t; i < kBricks * count; i += kPixelThreads) {
       WorkItem& item = m.items[s.lists.first[1][0] + static_cast<std::uint32_t>(i / kBricks)];
       reinterpret_cast<std::uint8_t*>(item.choices)[i % kBricks] =
-          static_cast<std::uint8_t>(choose_brick(f, m, s, i / kBricks, i % kBricks));
+          static_cast<std::uint8_t>(choose_brick(f, m, top, s, i / kBricks, i % kBricks));
     }
   });
   append<1>(block, s.lists, changes, {&counters.changed}, changed_places);
@@ -129,8 +130,8 @@ inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const Fra
 }
 
 /// Half of a group of 4x4x4 blocks.
-inline G3D_GPU void find_visible(const Warp& warp, const Memory& m, const FrameParams& f, int task,
-                                 PerLane<FoundBlock>& found) {
+inline G3D_GPU void find_visible(const Warp& warp, const Memory& m, const FrameParams& f, const TopLevels& top,
+                                 int task, PerLane<FoundBlock>& found) {
   const int super = task / 2;
   const int row = super / f.supers[0];
   const int sx = super % f.supers[0];
@@ -151,7 +152,7 @@ inline G3D_GPU void find_visible(const Warp& warp, const Memory& m, const FrameP
     b.record = exists ? m.record_of_block[block_id_at(f, b.bx, b.by, b.bz)] : 0;
     b.rays = {};
     b.view = exists ? View::look : View::hidden;
-    gather_box<32>(f, m, box, t, ends[t], own[t]);
+    gather_box<32>(f, m, top, box, t, ends[t], own[t]);
   });
   join_shares<32>(warp, ends, own);
   warp.lanes([&](int t) {
@@ -161,7 +162,7 @@ inline G3D_GPU void find_visible(const Warp& warp, const Memory& m, const FrameP
       if (b.view == View::hidden || b.view == View::all_free) {
         b.rays = {};
       } else {
-        b.view = decide_block(f, m, first, task % 2 * 32 + t, b.rays);
+        b.view = decide_block(f, m, top, first, task % 2 * 32 + t, b.rays);
       }
     }
   });
@@ -193,7 +194,8 @@ inline G3D_GPU int find_tasks(const FrameParams& f) {
 
 inline constexpr int kWarpsTogether = kPixelThreads / 32;
 
-inline G3D_GPU void find_blocks(const Block& block, const Memory& m, const FrameParams& f, int task) {
+inline G3D_GPU void find_blocks(const Block& block, const Memory& m, const FrameParams& f, const TopLevels& top,
+                                int task) {
   FoundBlocks found;
   block.teams<1>([&](const Warp& warp) {
     PerLane<FoundBlock> own;
@@ -201,7 +203,7 @@ inline G3D_GPU void find_blocks(const Block& block, const Memory& m, const Frame
     warp.lanes([&](int t) { own[t] = {0, 0, 0, View::hidden, 0, {}, kNone, kNone, kUnknownLevel}; });
     if (number < find_tasks(f)) {
       if (f.free_by == FreeBy::projection) {
-        find_visible(warp, m, f, number, own);
+        find_visible(warp, m, f, top, number, own);
       } else {
         find_marked(warp, m, f, number, own);
       }
@@ -211,7 +213,7 @@ inline G3D_GPU void find_blocks(const Block& block, const Memory& m, const Frame
       found[32 * warp.in_block + t] = own[t];
     });
   });
-  settle_blocks(block, m, f, found);
+  settle_blocks(block, m, f, top, found);
 }
 
 }  // namespace g3d::mapper::cuda

@@ -44,14 +44,16 @@ inline G3D_GPU void walk_image(const Block& block, const Memory& m, const FrameP
 }
 
 inline G3D_GPU void find_work(const Block& block, const Memory& m, const FrameParams& f) {
+  G3D_GPU_SHARED TopLevels top;
   const int finds = tiles(find_tasks(f), kWarpsTogether);
+  if (f.free_by == FreeBy::projection && block.index < finds) make_top(block, m, f, top);
   const int scatters = tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   int all = finds + scatters;
   for (int level = 0; level < f.image_levels; ++level) all += window_tasks(f, level);
   for (int task = block.index; task < all; task += block.count) {
     int rest = task;
     if (rest < finds) {
-      find_blocks(block, m, f, rest);
+      find_blocks(block, m, f, top, rest);
       continue;
     }
     rest -= finds;

@@ -12,9 +12,9 @@ namespace g3d::mapper::cuda {
 inline constexpr std::uint32_t kUnbounded = 0xFFFF;  ///< no reading bounds the run on that side
 inline constexpr int kTile_px = 32;
 inline constexpr int kTileStride = kTile_px + 2;  ///< so that the rows of a column lie in 32 banks of shared memory
-inline constexpr int kFewLooks = 4;               ///< most runs are short
-inline constexpr int kManyLooks = 32;
-inline constexpr int kRun_px = 4;  ///< of a thread
+inline constexpr int kFewLooks = 4;               ///< together: one wait instead of many
+inline constexpr int kManyLooks = 16;             ///< of each lane
+inline constexpr int kRun_px = 4;                 ///< of a thread
 
 /// What is known of the ray ends in one cell, as two words that threads of a warp can tell each other.
 struct CellEnds {
@@ -26,8 +26,10 @@ struct alignas(16) EndTile {
   std::uint16_t raw[kTile_px][kTileStride];  ///< readings; where there is none, in the end its bound
   std::uint32_t row_bits[kTile_px];          ///< bit x: has a reading
   std::uint32_t column_bits[kTile_px];
-  std::uint16_t outside[4][kTile_px];  ///< first reading left of each row, right of it, above each column, below it
-  CellEnds cells[8][8];                ///< of 4 x 4 pixels
+  std::uint16_t outside[4][kTile_px];    ///< first reading left of each row, right of it, above each column, below it
+  CellEnds cells[8][8];                  ///< of 4 x 4 pixels
+  std::uint8_t long_runs[4 * kTile_px];  ///< ends of lines that nothing bounds nearby
+  std::uint32_t long_run_count;
   std::uint32_t kinds[kPixelThreads / 32];  ///< see kind_of()
 };
 
@@ -56,28 +58,15 @@ inline G3D_GPU AnyPair read_four(const FrameParams& f, const std::uint16_t* imag
   return (i < 2 ? four.low : four.high) >> (16 * (i % 2)) & 0xFFFFU;
 }
 
-/// First reading among `left` pixels from one on, so many looked at together: one wait instead of many.
-template <int kTogether>
-inline G3D_GPU std::uint32_t first_of(const std::uint16_t* pixel, int left, int step) {
-  std::uint32_t batch[kTogether];
-#pragma GCC unroll 32
-  for (int i = 0; i < kTogether; ++i) batch[i] = pixel[least(i, left - 1) * step];
-  std::uint32_t found = 0;
-#pragma GCC unroll 32
-  for (int i = 0; i < kTogether; ++i) found = found == 0 ? batch[i] : found;
-  return found;
-}
-inline G3D_GPU std::uint32_t first_reading(const std::uint16_t* pixel, int left, int step) {
-  if (left <= 0) return kUnbounded;
-  std::uint32_t found = first_of<kFewLooks>(pixel, left, step);
-  for (int done = kFewLooks; found == 0 && done < left; done += kManyLooks) {
-    found = first_of<kManyLooks>(pixel + done * step, left - done, step);
-  }
-  return found != 0 ? found : kUnbounded;
-}
+/// Where a line of the tile goes on beyond one of its ends.
+struct Outside {
+  int first;  ///< pixel
+  int left;   ///< pixels up to the image's border
+  int step;   ///< from one to the next
+};
 
-/// Thread t of 128 looks beyond one end of one row or column, if its run goes on there.
-inline G3D_GPU void look_outside(const FrameParams& f, const Memory& m, EndTile& s, const RunPlace& place, int t) {
+/// Of end t / 32 (left, right, upper, lower) of row or column t % 32. Nothing is left where the run ends in the tile.
+inline G3D_GPU Outside beyond(const FrameParams& f, const EndTile& s, const RunPlace& place, int t) {
   const int side = t / kTile_px;
   const int line = t % kTile_px;
   const bool is_row = side < 2;
@@ -87,16 +76,60 @@ inline G3D_GPU void look_outside(const FrameParams& f, const Memory& m, EndTile&
   const int end = goes_up ? (is_row ? last_x : last_y) : 0;
   const int x = is_row ? end : line;
   const int y = is_row ? line : end;
-  std::uint32_t found = kUnbounded;
-  if (x <= last_x && y <= last_y && s.raw[y][x] == 0) {
-    const int step = goes_up ? 1 : -1;
-    const int u = place.first_u + x + (is_row ? step : 0);
-    const int v = place.first_v + y + (is_row ? 0 : step);
-    const int position = is_row ? u : v;
-    const int left = goes_up ? (is_row ? f.width_px : f.height_px) - position : position + 1;
-    found = first_reading(m.depth + v * f.width_px + u, left, is_row ? step : step * f.width_px);
+  if (x > last_x || y > last_y || s.raw[y][x] != 0) return {0, 0, 0};
+  const int step = goes_up ? 1 : -1;
+  const int u = place.first_u + x + (is_row ? step : 0);
+  const int v = place.first_v + y + (is_row ? 0 : step);
+  const int position = is_row ? u : v;
+  return {v * f.width_px + u, goes_up ? (is_row ? f.width_px : f.height_px) - position : position + 1,
+          is_row ? step : step * f.width_px};
+}
+
+/// Thread t of 128 looks a little beyond one end of one line. Most runs are short; others are left to whole warps.
+inline G3D_GPU void look_outside(const FrameParams& f, const Memory& m, EndTile& s, const RunPlace& place, int t) {
+  const Outside o = beyond(f, s, place, t);
+  std::uint32_t found = 0;
+  if (o.left > 0) {
+    std::uint32_t batch[kFewLooks];
+#pragma GCC unroll 4
+    for (int i = 0; i < kFewLooks; ++i) batch[i] = m.depth[o.first + least(i, o.left - 1) * o.step];
+#pragma GCC unroll 4
+    for (int i = 0; i < kFewLooks; ++i) found = found == 0 ? batch[i] : found;
+    if (found == 0 && o.left > kFewLooks) s.long_runs[atomic_add(&s.long_run_count, 1U)] = static_cast<std::uint8_t>(t);
   }
-  s.outside[side][line] = static_cast<std::uint16_t>(found);
+  s.outside[t / kTile_px][t % kTile_px] = static_cast<std::uint16_t>(found != 0 ? found : kUnbounded);
+}
+
+/// A warp looks far beyond: 512 pixels in one wait.
+inline G3D_GPU void look_far(const Team<1>& warp, const FrameParams& f, const Memory& m, EndTile& s, int tile,
+                             int run) {
+  const int t = s.long_runs[run];
+  const Outside o = beyond(f, s, run_of(f, tile, t), t);
+  PerThread<std::uint32_t, 32> best[2];  // distance << 16 | reading
+  for (int done = kFewLooks; done < o.left; done += 32 * kManyLooks) {
+    warp.lanes([&](int lane) {
+      std::uint32_t batch[kManyLooks];
+#pragma GCC unroll 16
+      for (int i = 0; i < kManyLooks; ++i) {
+        batch[i] = m.depth[o.first + least(done + 32 * i + lane, o.left - 1) * o.step];
+      }
+      best[0][lane] = 0xFFFFFFFFU;
+#pragma GCC unroll 16
+      for (int i = kManyLooks - 1; i >= 0; --i) {
+        const std::uint32_t distance = static_cast<std::uint32_t>(done + 32 * i + lane);
+        if (batch[i] != 0) best[0][lane] = distance << 16 | batch[i];
+      }
+    });
+#pragma GCC unroll 5
+    for (int i = 0; i < 5; ++i) {
+      warp.lanes([&](int lane) { best[(i + 1) % 2][lane] = least(best[i % 2][lane], best[i % 2].peer(lane, 1 << i)); });
+    }
+    if (best[1][0] == 0xFFFFFFFFU) continue;
+    warp.lanes([&](int lane) {
+      if (lane == 0) s.outside[t / kTile_px][t % kTile_px] = static_cast<std::uint16_t>(best[1][lane] & 0xFFFFU);
+    });
+    return;
+  }
 }
 
 /// Nearest reading on one side of place `at` of a line of the tile: its place, -1 if the tile has none there.

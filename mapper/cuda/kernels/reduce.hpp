@@ -110,6 +110,7 @@ inline G3D_GPU void read_tile(const Block& block, const Memory& m, const FramePa
     auto* words = reinterpret_cast<AnyWord*>(&s.raw[place.y][place.x]);
     words[0] = readings[t].low;
     words[1] = readings[t].high;
+    if (t == 0) s.long_run_count = 0;
     kinds[0][t] = 0;
 #pragma GCC unroll 4
     for (int i = 0; i < kRun_px; ++i) kinds[0][t] += kind_of(f, static_cast<int>(half_of(readings[t], i)));
@@ -143,6 +144,11 @@ inline G3D_GPU void read_tile(const Block& block, const Memory& m, const FramePa
     m.tile_kinds[4 * tile + t] = sum;
   });
   if (f.free_by == FreeBy::nothing) return;
+  block.teams<1>([&](const Team<1>& warp) {
+    const int count = static_cast<int>(s.long_run_count);
+    for (int run = warp.in_block; run < count; run += kPixelThreads / 32) look_far(warp, f, m, s, tile, run);
+  });
+  block.each([](int) {});
   SharedCells left;
   SharedCells right;
   block.lanes([&](int t) {

@@ -66,27 +66,58 @@ inline G3D_GPU BoxBound bound_box(const cpu::BoxView& b, float x_m, float y_m, f
   return out;
 }
 
-/// Cells of one level of the pyramid that cover some columns and rows; see cpu::DepthPyramid. Cells above the last
-/// level that is kept are gathered from their parts: the same numbers.
+/// Levels of the pyramid whose cells are larger than a tile: few, so that each block of threads makes its own.
+struct TopLevels {
+  static constexpr int kMostCells = 32 * 32 + 16 * 16 + 8 * 8 + 4 * 4;  ///< of an image of 2048 x 2048 pixels
+  std::uint32_t cells[kMostCells];
+};
+[[nodiscard]] constexpr int cells_along(int size_px, int level) {
+  return (size_px + (1 << (kBaseLevel + level)) - 1) >> (kBaseLevel + level);
+}
+
+inline G3D_GPU void make_top(const Block& block, const Memory& m, const FrameParams& f, TopLevels& top) {
+  const std::uint32_t* below = m.pyramid[kPyramidLevels - 1];
+  std::uint32_t* cells = top.cells;
+#pragma GCC unroll 1
+  for (int level = kPyramidLevels; level < f.pyramid_levels; ++level) {
+    const int width = cells_along(f.width_px, level);
+    const int count = width * cells_along(f.height_px, level);
+    const int last_x = cells_along(f.width_px, level - 1) - 1;
+    const int last_y = cells_along(f.height_px, level - 1) - 1;
+    block.each([&](int t) {
+      for (int cell = t; cell < count; cell += kPixelThreads) {
+        const int x = 2 * (cell % width);
+        const int y = 2 * (cell / width);
+        const std::uint32_t* upper = below + y * (last_x + 1);
+        const std::uint32_t* lower = below + least(y + 1, last_y) * (last_x + 1);
+        cells[cell] = join_ends(join_ends(upper[x], upper[least(x + 1, last_x)]),
+                                join_ends(lower[x], lower[least(x + 1, last_x)]));
+      }
+    });
+    below = cells;
+    cells += count;
+  }
+}
+
+/// Cells of one level of the pyramid that cover some columns and rows; see cpu::DepthPyramid.
 struct CellRange {
   const std::uint32_t* cells;
   std::int32_t width;  ///< of the level
   std::int32_t x0, y0, x1, y1;
 };
-inline G3D_GPU CellRange cells_of(const FrameParams& f, const Memory& m, int u0, int v0, int u1, int v1) {
+inline G3D_GPU CellRange cells_of(const FrameParams& f, const Memory& m, const TopLevels& top, int u0, int v0, int u1,
+                                  int v1) {
   const int extent = most(u1 - u0, v1 - v0);
   int l = 0;
   while ((extent >> (kBaseLevel + l)) >= 3 && l + 1 < f.pyramid_levels) ++l;
-  const int kept = least(l, kPyramidLevels - 1);
-  const ImageShape& shape = f.shapes[kBaseLevel + kept];
+  const std::uint32_t* cells = top.cells;
+  if (l < kPyramidLevels) {
+    cells = m.pyramid[l];
+  } else {
+    for (int i = kPyramidLevels; i < l; ++i) cells += cells_along(f.width_px, i) * cells_along(f.height_px, i);
+  }
   const int shift = kBaseLevel + l;
-  const int parts = l - kept;
-  return {m.pyramid[kept],
-          shape.width,
-          (u0 >> shift) << parts,
-          (v0 >> shift) << parts,
-          least((((u1 >> shift) + 1) << parts) - 1, shape.width - 1),
-          least((((v1 >> shift) + 1) << parts) - 1, shape.height - 1)};
+  return {cells, cells_along(f.width_px, l), u0 >> shift, v0 >> shift, u1 >> shift, v1 >> shift};
 }
 
 /// Lowest and highest end of one thread's share of the cells, when kSharers threads share them: rows, four cells at
@@ -121,13 +152,14 @@ inline G3D_GPU float behind_m(const FrameParams& f, float z_m, float half_z_m) {
 
 /// Ends within what a box covers, as far as they are of account: of all its windows, and of its voxels' own pixels.
 template <int kSharers>
-inline G3D_GPU void gather_box(const FrameParams& f, const Memory& m, const BoxBound& box, int sharer,
-                               std::uint32_t& ends, std::uint32_t& own) {
+inline G3D_GPU void gather_box(const FrameParams& f, const Memory& m, const TopLevels& top, const BoxBound& box,
+                               int sharer, std::uint32_t& ends, std::uint32_t& own) {
   ends = pack_ends(kNoLow, 0);
   own = pack_ends(kNoLow, 0);
   if (box.hidden) return;
-  const CellRange all = cells_of(f, m, box.u0, box.v0, box.u1, box.v1);
-  const CellRange inner = box.inside ? cells_of(f, m, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1) : all;
+  const CellRange all = cells_of(f, m, top, box.u0, box.v0, box.u1, box.v1);
+  const CellRange inner =
+      box.inside ? cells_of(f, m, top, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1) : all;
   ends = gather_ends<kSharers>(all, sharer);
   if (box.inside) own = gather_ends<kSharers>(inner, sharer);
 }
@@ -160,8 +192,8 @@ inline G3D_GPU void join_shares(const Group& group, PerThread<std::uint32_t, kTh
 }
 
 /// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks. `block`: what is known of the block's rays.
-inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const Corner& corner, const RayBounds& block,
-                                 int brick) {
+inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const TopLevels& top, const Corner& corner,
+                                 const RayBounds& block, int brick) {
   const float z_m = corner.z_m + f.brick_middle_m[2][brick];
   const float half_z_m = f.brick_view.half_z_m;
   if (block.farthest_m < z_m - half_z_m) return View::hidden;
@@ -170,20 +202,21 @@ inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const Co
       bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick], z_m);
   std::uint32_t ends;
   std::uint32_t own;
-  gather_box<1>(f, m, box, 0, ends, own);
+  gather_box<1>(f, m, top, box, 0, ends, own);
   RayBounds rays;
   return conclude(f, f.brick_view, false, box, ends, own, z_m, rays);
 }
 
 /// Block i (x fastest) of a group of 4x4x4 whose first voxel lies at `first`.
-inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, const Corner& first, int i, RayBounds& rays) {
+inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, const TopLevels& top, const Corner& first,
+                                 int i, RayBounds& rays) {
   const FrameTables& tables = m.input->tables;
   const float z_m = first.z_m + tables.block_middle_m[2][i];
   const BoxBound box =
       bound_box(f.block_view, first.x_m + tables.block_middle_m[0][i], first.y_m + tables.block_middle_m[1][i], z_m);
   std::uint32_t ends;
   std::uint32_t own;
-  gather_box<1>(f, m, box, 0, ends, own);
+  gather_box<1>(f, m, top, box, 0, ends, own);
   return conclude(f, f.block_view, true, box, ends, own, z_m, rays);
 }
 
