@@ -88,6 +88,20 @@ struct Parcels {
   ParcelBrick* bricks;
 };
 
+/// What navigation asks of a changed block: which of its voxels are unknown, free or occupied.
+struct ClassHead {
+  std::uint64_t key;
+  std::uint32_t uniform;  ///< class of all voxels, kNone: they differ
+  std::uint32_t reserved;
+};
+struct ClassPlane {
+  std::uint32_t words[kVoxels / 16];  ///< 2 bits for each voxel: 0 unknown, 1 free, 2 occupied
+};
+struct Classes {
+  ClassHead* heads;
+  ClassPlane* planes;  ///< same index
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;

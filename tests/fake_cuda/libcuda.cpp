@@ -21,9 +21,9 @@ namespace {
 constexpr int kOutOfMemory = 2;
 constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
-constexpr std::string_view kKernels[] = {"import_blocks_kernel", "read_image_kernel",   "walk_image_kernel",
-                                         "find_work_kernel",     "update_map_1_kernel", "update_map_4_kernel",
-                                         "export_blocks_kernel"};
+constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",   "walk_image_kernel",
+                                         "find_work_kernel",      "update_map_1_kernel", "update_map_4_kernel",
+                                         "export_classes_kernel", "export_blocks_kernel"};
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
@@ -55,8 +55,12 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
   if (kernel == 4) update_map<1>(block, m, frame_params);
   if (kernel == 5) update_map<4>(block, m, frame_params);
   if (kernel == 6) {
-    export_blocks(block, m, frame_params, argument<Parcels>(arguments, 0), argument<FrameCounters*>(arguments, 1),
-                  argument<std::uint32_t>(arguments, 2), argument<std::uint32_t>(arguments, 3));
+    export_classes(block, m, frame_params, argument<Classes>(arguments, 0), argument<FrameCounters*>(arguments, 1),
+                   argument<std::uint32_t>(arguments, 2));
+  }
+  if (kernel == 7) {
+    export_blocks(block, m, argument<Parcels>(arguments, 0), argument<std::uint32_t>(arguments, 1),
+                  argument<std::uint32_t>(arguments, 2));
   }
 }
 
@@ -152,6 +156,7 @@ int cuEventCreate(CuHandle* event, unsigned) {
 }
 int cuEventRecord(CuHandle, CuHandle) { return 0; }
 int cuStreamWaitEvent(CuHandle, CuHandle, unsigned) { return 0; }
+int cuEventSynchronize(CuHandle) { return 0; }
 int cuEventElapsedTime(float* ms, CuHandle, CuHandle) {
   *ms = 0.0F;
   return 0;

@@ -48,6 +48,7 @@ const char* load_driver(Driver& d) {
       entry("cuEventCreate", d.event_create),
       entry("cuEventRecord", d.event_record),
       entry("cuStreamWaitEvent", d.stream_wait_event),
+      entry("cuEventSynchronize", d.event_synchronize),
       entry("cuEventElapsedTime", d.event_elapsed_time),
       entry("cuGetErrorName", d.get_error_name),
       entry("cuStreamBeginCapture_v2", d.stream_begin_capture, false),

@@ -38,6 +38,7 @@ struct Driver {
   int (*event_create)(CuHandle*, unsigned);
   int (*event_record)(CuHandle, CuHandle);
   int (*stream_wait_event)(CuHandle, CuHandle, unsigned);
+  int (*event_synchronize)(CuHandle);
   int (*event_elapsed_time)(float*, CuHandle, CuHandle);
   int (*get_error_name)(int, const char**);
   // Not in every driver: launches go out one by one without them

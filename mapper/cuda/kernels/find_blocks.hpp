@@ -194,14 +194,15 @@ inline G3D_GPU int find_tasks(const FrameParams& f) {
 
 inline constexpr int kWarpsTogether = kPixelThreads / 32;
 
+/// Tasks of `together` warps; all threads of the block settle what these have found.
 inline G3D_GPU void find_blocks(const Block& block, const Memory& m, const FrameParams& f, const TopLevels& top,
-                                int task) {
+                                int task, int together) {
   FoundBlocks found;
   block.teams<1>([&](const Warp& warp) {
     PerLane<FoundBlock> own;
-    const int number = task * kWarpsTogether + warp.in_block;
+    const int number = task * together + warp.in_block;
     warp.lanes([&](int t) { own[t] = {0, 0, 0, View::hidden, 0, {}, kNone, kNone, kUnknownLevel}; });
-    if (number < find_tasks(f)) {
+    if (warp.in_block < together && number < find_tasks(f)) {
       if (f.free_by == FreeBy::projection) {
         find_visible(warp, m, f, top, number, own);
       } else {

@@ -139,12 +139,14 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const F
     for (int k = 0; k < kTileShare; ++k) {
       const std::uint32_t id = s.block_id[tile_y(t, k) + 1][tile_x(t) + 1];
       ids[k] = id == kNone || is_repeat(s, tile_x(t), tile_y(t, k), true) ? kNone : id;
-      found[k] = ids[k] != kNone ? *static_cast<volatile std::uint32_t*>(m.record_of_block + ids[k]) : 1U;
+      found[k] = ids[k] == kNone || *static_cast<volatile std::uint32_t*>(m.record_of_block + ids[k]) != 0 ? 1U : 0U;
     }
 #pragma GCC unroll 4
     for (int k = 0; k < kTileShare; ++k) {
-      is_first[k][t] = found[k] == 0 && atomic_cas(m.record_of_block + ids[k], 0U, kNone) == 0 ? 1 : 0;
+      if (found[k] == 0) found[k] = atomic_cas(m.record_of_block + ids[k], 0U, kNone) + 2;
     }
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) is_first[k][t] = found[k] == 2 ? 1 : 0;
   });
   PerThread<std::uint32_t, kPixelThreads> place;  // among the tile's
   block.each([&](int t) {

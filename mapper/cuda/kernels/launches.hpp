@@ -7,11 +7,13 @@
 //   walk_image       rays mark the box (dda and bresenham alone)
 //   find_work        blocks that rays reach or have marked, blocks with hits | pixels to hit records | window images
 //   update_map       levels and colours
-//   export_blocks    changed blocks and counters to the host
+//   export_classes   counters and the changed blocks' classes to the host, which waits for them
+//   export_blocks    changed blocks to the host
 //
 // No launch waits for the host: counts stay on the card, and blocks of threads stride over what there is.
 #pragma once
 
+#include "mapper/cuda/kernels/classes.hpp"
 #include "mapper/cuda/kernels/parcels.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
 
@@ -45,7 +47,9 @@ inline G3D_GPU void walk_image(const Block& block, const Memory& m, const FrameP
 
 inline G3D_GPU void find_work(const Block& block, const Memory& m, const FrameParams& f) {
   G3D_GPU_SHARED TopLevels top;
-  const int finds = tiles(find_tasks(f), kWarpsTogether);
+  // Where there is little to find, warps of different blocks of threads find it.
+  const int together = least(tiles(find_tasks(f), block.count), kWarpsTogether);
+  const int finds = tiles(find_tasks(f), together);
   if (f.free_by == FreeBy::projection && block.index < finds) make_top(block, m, f, top);
   const int scatters = tiles(f.width_px, kTileColumns) * tiles(f.height_px, kTileRows);
   int all = finds + scatters;
@@ -53,7 +57,7 @@ inline G3D_GPU void find_work(const Block& block, const Memory& m, const FramePa
   for (int task = block.index; task < all; task += block.count) {
     int rest = task;
     if (rest < finds) {
-      find_blocks(block, m, f, top, rest);
+      find_blocks(block, m, f, top, rest, together);
       continue;
     }
     rest -= finds;
@@ -85,10 +89,23 @@ inline G3D_GPU void update_map(const Block& block, const Memory& m, const FrameP
   note_changed<kWarps>(block, m, changed, slots);
 }
 
-/// Changed blocks from number `first` on, as many as there is room for parcels.
-inline G3D_GPU void export_blocks(const Block& block, const Memory& m, const FrameParams& f, const Parcels& out,
-                                  FrameCounters* counters, std::uint32_t first, std::uint32_t room) {
+/// Counters, and classes of the changed blocks if there is room for all.
+inline G3D_GPU void export_classes(const Block& block, const Memory& m, const FrameParams& f, const Classes& out,
+                                   FrameCounters* counters, std::uint32_t room) {
   if (block.index == 0) send_counters(block, m, f, counters);
+  const std::uint32_t count = m.input->counters.changed;
+  if (count > room) return;
+  block.teams<1>([&](const Team<1>& warp) {
+    for (std::uint32_t i = static_cast<std::uint32_t>(warp.index); i < count;
+         i += static_cast<std::uint32_t>(warp.count)) {
+      send_classes(warp, m, out, i);
+    }
+  });
+}
+
+/// Changed blocks from number `first` on, as many as there is room for parcels.
+inline G3D_GPU void export_blocks(const Block& block, const Memory& m, const Parcels& out, std::uint32_t first,
+                                  std::uint32_t room) {
   const std::uint32_t end = least(m.input->counters.changed, first + room);
   for (std::uint32_t i = first + static_cast<std::uint32_t>(block.index); i < end;
        i += static_cast<std::uint32_t>(block.count)) {

@@ -191,6 +191,20 @@ inline G3D_GPU void join_shares(const Group& group, PerThread<std::uint32_t, kTh
   }
 }
 
+/// What one thread alone finds out about a box. It looks at the own pixels only where they are of account.
+inline G3D_GPU View decide_alone(const FrameParams& f, const Memory& m, const TopLevels& top, const cpu::BoxView& view,
+                                 bool is_block, const BoxBound& box, float z_m, RayBounds& rays) {
+  if (box.hidden) return View::hidden;
+  const std::uint32_t ends = gather_ends<1>(cells_of(f, m, top, box.u0, box.v0, box.u1, box.v1), 0);
+  const float farthest_m = static_cast<float>(ends >> 16) * f.metres_per_unit;
+  const bool reaches = ends >> 16 != 0 && farthest_m >= z_m - view.half_z_m;
+  std::uint32_t own = 0;
+  if (reaches && box.inside && (is_block || farthest_m > behind_m(f, z_m, view.half_z_m))) {
+    own = gather_ends<1>(cells_of(f, m, top, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1), 0);
+  }
+  return conclude(f, view, is_block, box, ends, own, z_m, rays);
+}
+
 /// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks. `block`: what is known of the block's rays.
 inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const TopLevels& top, const Corner& corner,
                                  const RayBounds& block, int brick) {
@@ -200,11 +214,8 @@ inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const To
   if (block.nearest_m > behind_m(f, z_m, half_z_m)) return View::all_free;
   const BoxBound box =
       bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick], z_m);
-  std::uint32_t ends;
-  std::uint32_t own;
-  gather_box<1>(f, m, top, box, 0, ends, own);
   RayBounds rays;
-  return conclude(f, f.brick_view, false, box, ends, own, z_m, rays);
+  return decide_alone(f, m, top, f.brick_view, false, box, z_m, rays);
 }
 
 /// Block i (x fastest) of a group of 4x4x4 whose first voxel lies at `first`.
@@ -214,10 +225,7 @@ inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, const To
   const float z_m = first.z_m + tables.block_middle_m[2][i];
   const BoxBound box =
       bound_box(f.block_view, first.x_m + tables.block_middle_m[0][i], first.y_m + tables.block_middle_m[1][i], z_m);
-  std::uint32_t ends;
-  std::uint32_t own;
-  gather_box<1>(f, m, top, box, 0, ends, own);
-  return conclude(f, f.block_view, true, box, ends, own, z_m, rays);
+  return decide_alone(f, m, top, f.block_view, true, box, z_m, rays);
 }
 
 }  // namespace g3d::mapper::cuda
