@@ -51,6 +51,7 @@ FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
 EXE := $(BUILD)/g3dmap
 LIB := $(BUILD)/libg3dmap.a
 PCH := $(BUILD)/tests/precompiled.hpp
+COMMON := $(BUILD)/toolchain/common_headers.hpp
 
 # What the executable carries for NVIDIA cards (no toolkit is needed, but clang): kernels as PTX for every card since the
 # TX2's, and the helper program that loads the driver. A build without clang carries no kernels and maps on the CPU.
@@ -107,7 +108,7 @@ $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cu
 	$(SAY) $@
 	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
-$(BUILD)/unit_tests: | $(FAKE_CUDA)
+$(BUILD)/unit_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
@@ -170,7 +171,7 @@ soak: build-test ## the long runs, hours of them; starts again where it was stop
 	scripts/soak
 
 SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
-TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
+TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
@@ -197,13 +198,15 @@ $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
 
 # Catch2 is parsed once per flavour, not once per test file.
-$(PCH).gch: OPT := -O1 -g1
-$(PCH).gch: tests/precompiled.hpp
+$(PCH).gch $(COMMON).gch: OPT := -O1 -g1
+$(PCH).gch: tests/precompiled.hpp toolchain/common_headers.hpp
+$(COMMON).gch: toolchain/common_headers.hpp
+$(PCH).gch $(COMMON).gch:
 	@mkdir -p $(@D)
-	@cp $< $(PCH)
-	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(PCH).d -x c++-header -o $@ $<
-PCH_FLAGS = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(PCH)
-$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(PCH_FLAGS)
+	@cp $< $(basename $@)
+	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(basename $@).d -x c++-header -o $@ $<
+precompiled = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(1)
+$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(call precompiled,$(PCH))
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
 # Tests are not what we measure; and a precompiled header wants the same options as its users.
 $(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
@@ -215,6 +218,11 @@ READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/%
   hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o \
   $(addprefix hal/kobuki/,command.o feedback_codec.o frame_scanner.o odometry.o packet_gates.o packet_reader.o))
 $(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
+
+# Sources whose options are those of the header. Not in the release build: see toolchain/common_headers.hpp.
+PLAIN_OBJ := $(if $(SANITIZE),$(filter-out $(READERS) %/version.o %/carried.o,$(call objects,$(LIB_SRC) $(MAIN_SRC))))
+$(PLAIN_OBJ): private FLAGS += $(call precompiled,$(COMMON))
+$(PLAIN_OBJ): $(if $(SANITIZE),$(COMMON).gch)
 
 $(RUNNER_OBJ): tests/main.cpp
 	@mkdir -p $(@D)

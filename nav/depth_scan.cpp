@@ -56,7 +56,8 @@ DepthScan::Ray DepthScan::scan_column(const hal::Frame& frame, const hal::Camera
   for (int i = kRows - 1; i >= 0; --i) {
     ++missing_rows;
     const int v = (2 * i + 1) * camera.height_px / (2 * kRows);
-    const std::uint16_t raw = frame.depth[static_cast<std::size_t>(v * camera.width_px + u)];
+    const std::uint16_t raw = frame.depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width_px) +
+                                          static_cast<std::size_t>(u)];
     const float z_m = static_cast<float>(raw) / camera.depth_units_per_metre;
     if (static_cast<double>(z_m) < config_.near_m) continue;
     const float down = (static_cast<float>(v) - camera.cy_px) / camera.fy_px;

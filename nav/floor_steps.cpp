@@ -52,7 +52,8 @@ void FloorSteps::read_column(const hal::Frame& frame, const hal::CameraModel& ca
   const int rows = std::min(kRows, camera.height_px - half);
   for (int i = 0; i < rows; ++i) {
     const int v = camera.height_px - 1 - i * half / rows;
-    const std::uint16_t raw = frame.depth[static_cast<std::size_t>(v * camera.width_px + u)];
+    const std::uint16_t raw = frame.depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width_px) +
+                                          static_cast<std::size_t>(u)];
     if (raw == 0) continue;
     const float z_m = static_cast<float>(raw) / camera.depth_units_per_metre;
     const float down = (static_cast<float>(v) - camera.cy_px) / camera.fy_px;

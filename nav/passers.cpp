@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/passers.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace g3d::nav {
@@ -24,7 +25,9 @@ bool is_in_map(const CellGrid<CellState>& states, const MovedLately& moved, Cell
 }  // namespace
 
 Passers::Passers(const CellGrid<CellState>& like, const PassersConfig& config)
-    : config_(config), until_(like.resolution_m, like.origin_x_m, like.origin_y_m, like.columns, like.rows, 0) {}
+    : config_(config),
+      until_(like.resolution_m, like.origin_x_m, like.origin_y_m, like.columns, like.rows, 0),
+      tracks_(config.tracks) {}
 
 void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
                    const hal::PlanarPose& pose, hal::TimeNs now) {
@@ -45,11 +48,15 @@ void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, con
     }
   }
   const std::uint32_t until = tick(now + static_cast<hal::TimeNs>(config_.hold_s * 1e9));
-  for (const DepthScan::Ray& ray : scan.rays()) {
+  std::array<bool, DepthScan::kRays> is_somebody{};
+  for (std::size_t i = 0; i < is_somebody.size(); ++i) {
+    const DepthScan::Ray& ray = scan.rays()[i];
     if (!ray.has_hit) continue;
     const Cell c = cell_at(ray.hit_x_m, ray.hit_y_m);
-    if (until_.contains(c) && !is_in_map(states, moved, c, now)) until_.at(c) = until;
+    is_somebody[i] = until_.contains(c) && !is_in_map(states, moved, c, now);
+    if (is_somebody[i]) until_.at(c) = until;
   }
+  tracks_.look(scan, is_somebody, states, moved, pose, now);
 }
 
 }  // namespace g3d::nav

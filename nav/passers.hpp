@@ -2,7 +2,8 @@
 // Who passes by: what the camera measures right now where the map knows of nothing. A voxel that was free for long
 // takes half a second of readings to become occupied, and nearer than the map trusts it never does, so people on their
 // feet are not in the map. They are remembered here: until the camera has looked through the place again or for a
-// while, which matters for whoever left the view at its side or came too near to be measured at all.
+// while, which matters for whoever left the view at its side or came too near to be measured at all; and where he will
+// be if he walks on, see passer_tracks.hpp.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,14 @@
 #include "nav/cell_grid.hpp"
 #include "nav/depth_scan.hpp"
 #include "nav/moved_lately.hpp"
+#include "nav/passer_tracks.hpp"
 
 namespace g3d::nav {
 
 struct PassersConfig {
   double body_radius_m = 0.18;
   double hold_s = 5.0;  ///< somebody out of sight is taken to stand where he was last seen for so long
+  PasserTracksConfig tracks;
 };
 
 class Passers {
@@ -28,9 +31,11 @@ class Passers {
   void look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
             const hal::PlanarPose& T_world_base, hal::TimeNs now);
 
-  /// Somebody is, or was lately, in this cell. May lie outside: then false.
+  /// Somebody is, or was lately, in this cell, or is about to walk through it. May lie outside: then false.
   [[nodiscard]] bool is_there(Cell c, hal::TimeNs now) const {
-    return until_.contains(c) && until_.at(c) != 0 && until_.at(c) > tick(now);
+    if (!until_.contains(c)) return false;
+    return (until_.at(c) != 0 && until_.at(c) > tick(now)) ||
+           tracks_.may_come(until_.centre_x_m(c), until_.centre_y_m(c), now);
   }
 
  private:
@@ -38,6 +43,7 @@ class Passers {
 
   PassersConfig config_;
   CellGrid<std::uint32_t> until_;  ///< tick; 0: nobody
+  PasserTracks tracks_;
 };
 
 }  // namespace g3d::nav

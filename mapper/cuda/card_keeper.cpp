@@ -42,11 +42,16 @@ void CardKeeper::take_if_ready(HelperState state) {
   if (state == HelperState::failed) {
     report_.problem = helper_->problem();
     helper_.reset();
+    start_later();
     return;
   }
   report_.name = helper_->card_name();
   report_.memory_bytes = helper_->card_bytes();
   twin_.set_card(helper_);
+}
+
+void CardKeeper::start_later() {
+  frames_until_start_ = std::min(kFramesToRestart << std::min(troubles_++, 10U), kMostFramesToRestart);
 }
 
 void CardKeeper::lose() {
@@ -56,7 +61,7 @@ void CardKeeper::lose() {
   helper_->abandon();
   twin_.set_card(nullptr);
   helper_.reset();
-  frames_until_start_ = std::min(kFramesToRestart << std::min(report_.losses - 1, 10U), kMostFramesToRestart);
+  start_later();
 }
 
 bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
@@ -66,6 +71,7 @@ bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geomet
       take_if_ready(helper_->state());
     } else if (frames_until_start_ > 0 && --frames_until_start_ == 0) {
       start_helper();
+      if (helper_ == nullptr) start_later();
     }
   }
   if (twin_.has_card()) {

@@ -35,6 +35,7 @@ class CardKeeper {
  private:
   void start_helper();
   void take_if_ready(HelperState state);
+  void start_later();
   void lose();
 
   const cpu::SensorGeometry& sensor_;
@@ -44,7 +45,8 @@ class CardKeeper {
   int lost_process_ = -1;  ///< the last one that was lost, until the system has done away with it
   CardReport report_;
   FrameReport begun_;                     ///< of the frame in hand
-  std::uint32_t frames_until_start_ = 0;  ///< after a loss; 0: never again, or it is under way
+  std::uint32_t troubles_ = 0;            ///< losses, and helpers that did not come up again
+  std::uint32_t frames_until_start_ = 0;  ///< after one of them; 0: never again, or it is under way
 };
 
 }  // namespace g3d::mapper::cuda

@@ -35,6 +35,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   void send(int signal) const;
+  [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] bool is_running();
   /// Waits for the end; kills the program after `limit`.
   ProgramResult finish(std::chrono::milliseconds limit = std::chrono::seconds(60));

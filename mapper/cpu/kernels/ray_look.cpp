@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Voxels that look for rays, where rays used to look for voxels: what most voxels need is one pixel's end; the others
-// try all pixels in their silhouette, sixteen at a time, by separating axes. Those tests leave a band as wide as the
+// try all pixels in their silhouette, a vector at a time, by separating axes. Those tests leave a band as wide as the
 // rounding errors of a walk; only for rays within it the walk itself is asked.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "mapper/cpu/kernels/variant.hpp"
 #include "mapper/cpu/one_ray.hpp"
@@ -64,17 +65,24 @@ bool sort_brick(const SortBrick& brick, std::uint8_t* sorted) {
 
 namespace {
 
-constexpr int kLanes = 16;
-using Floats = float __attribute__((vector_size(4 * kLanes)));
-using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
-using Shorts = std::uint16_t __attribute__((vector_size(2 * kLanes)));
+constexpr int kLanes = kVectorBytes / 4;
+using Floats = float __attribute__((vector_size(kVectorBytes)));
+using Ints = std::int32_t __attribute__((vector_size(kVectorBytes)));
+using Shorts = std::uint16_t __attribute__((vector_size(kVectorBytes / 2)));
+
+template <typename Vector>
+inline void count_lanes(Vector& lane_number) {
+  for (int i = 0; i < static_cast<int>(sizeof lane_number / sizeof lane_number[0]); ++i) {
+    lane_number[i] = static_cast<std::remove_reference_t<decltype(lane_number[0])>>(i);
+  }
+}
 
 inline bool any_of(const Ints& mask) {
   using Bytes = signed char __attribute__((vector_size(kLanes)));
   const Bytes bytes = __builtin_convertvector(mask, Bytes);
-  std::uint64_t halves[2];
-  __builtin_memcpy(halves, &bytes, sizeof halves);
-  return (halves[0] | halves[1]) != 0;
+  std::uint64_t words[2] = {};
+  __builtin_memcpy(words, &bytes, sizeof bytes);
+  return (words[0] | words[1]) != 0;
 }
 
 inline void take_magnitude(Floats& v) {
@@ -147,9 +155,12 @@ inline PixelBox box_around(const RaySearch& s, const Target& t) {
 
 /// Does any end in the box reach the voxel's depth? All rows at once, so that most hidden voxels are settled by it.
 inline bool any_long_enough(const RaySearch& s, const Target& t, const PixelBox& box) {
-  using Many = std::uint16_t __attribute__((vector_size(64)));
+  constexpr int kColumns = kVectorBytes / 2;
+  using Many = std::uint16_t __attribute__((vector_size(kVectorBytes)));
+  Many lane_number;
+  count_lanes(lane_number);
   Many most{};
-  for (int u = box.u0; u <= box.u1; u += 32) {
+  for (int u = box.u0; u <= box.u1; u += kColumns) {
     const std::uint16_t* ends = s.ends + box.v0 * s.ends_stride + u;
     Many of_columns{};
     for (int v = box.v0; v <= box.v1; ++v, ends += s.ends_stride) {
@@ -157,16 +168,16 @@ inline bool any_long_enough(const RaySearch& s, const Target& t, const PixelBox&
       __builtin_memcpy(&row, ends, sizeof row);
       of_columns = of_columns > row ? of_columns : row;
     }
-    const Many lane{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
-                    16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
-    const auto left = static_cast<std::uint16_t>(std::min(box.u1 - u, 31));
-    of_columns = lane <= left ? of_columns : Many{};
+    const auto left = static_cast<std::uint16_t>(std::min(box.u1 - u, kColumns - 1));
+    of_columns = lane_number <= left ? of_columns : Many{};
     most = most > of_columns ? most : of_columns;
   }
   const Many enough = most >= static_cast<std::uint16_t>(t.least);
-  std::uint64_t words[8];
+  std::uint64_t words[kVectorBytes / 8];
   __builtin_memcpy(words, &enough, sizeof words);
-  return ((words[0] | words[1] | words[2] | words[3]) | (words[4] | words[5] | words[6] | words[7])) != 0;
+  std::uint64_t any = 0;
+  for (const std::uint64_t word : words) any |= word;
+  return any != 0;
 }
 
 // A ray from the camera to its end P touches a cube around c with half side h if no axis separates them: the three
@@ -177,7 +188,8 @@ inline bool any_passes(const RaySearch& s, const Target& t, bool strong, int v, 
   const float* c = t.c;
   const float error = t.error;
   const std::uint16_t* ends = s.ends + v * s.ends_stride;
-  const Ints lane_number{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  Ints lane_number;
+  count_lanes(lane_number);
   float row_part[3];
   for (int axis = 0; axis < 3; ++axis) row_part[axis] = R[3 * axis + 1] * s.row_slope[v] + R[3 * axis + 2];
   for (int u = u0; u <= u1; u += kLanes) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays walk the frame's byte grid in lockstep, sixteen to a vector and two vectors side by side: one vector's step
-// waits for its own comparisons, two hide each other's waiting. Neighbours have nearly the same length and touch the
-// same lines.
+// Rays walk the frame's byte grid in lockstep, as many as a vector holds and two vectors side by side: one vector's
+// step waits for its own comparisons, two hide each other's waiting. Neighbours have nearly the same length and touch
+// the same lines.
 #include <cmath>
 #include <limits>
 
@@ -10,9 +10,9 @@
 namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
 namespace {
 
-constexpr int kVectorLanes = 16;
-using Floats = float __attribute__((vector_size(4 * kVectorLanes)));
-using Ints = std::int32_t __attribute__((vector_size(4 * kVectorLanes)));
+constexpr int kVectorLanes = kVectorBytes / 4;
+using Floats = float __attribute__((vector_size(kVectorBytes)));
+using Ints = std::int32_t __attribute__((vector_size(kVectorBytes)));
 
 // By reference: a vector this wide as a return value would change the calling convention of the narrower variants.
 template <typename Vector, typename Scalar>
@@ -127,10 +127,18 @@ struct ThesisWalk {
   }
 };
 
-inline std::int32_t longest_of(const std::int32_t* steps) {
+/// Until the longest of their rays has taken its steps.
+template <typename Walk>
+[[gnu::always_inline]] inline void walk_two(Walk& left, Walk& right, const RayRow& row, const std::int32_t* steps) {
   std::int32_t most = 0;
-  for (int lane = 0; lane < kRayLanes; ++lane) most = steps[lane] > most ? steps[lane] : most;
-  return most;
+  for (int lane = 0; lane < 2 * kVectorLanes; ++lane) most = steps[lane] > most ? steps[lane] : most;
+  const Ints spare = Ints{} + row.spare_cell;
+  std::uint8_t* const grid = row.grid;
+  const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
+  for (; most > 0; --most) {
+    left.step(grid, spare, flag);
+    right.step(grid, spare, flag);
+  }
 }
 
 }  // namespace
@@ -166,16 +174,12 @@ void walk_rays(const RayRow& row) {
   }
   const std::int32_t first_cell =
       rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
-  ExactWalk left;
-  ExactWalk right;
-  left.start(t_first, t_delta, stride, step_count, 0, first_cell);
-  right.start(t_first, t_delta, stride, step_count, kVectorLanes, first_cell);
-  const Ints spare = Ints{} + row.spare_cell;
-  std::uint8_t* const grid = row.grid;
-  const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
-  for (std::int32_t most = longest_of(step_count); most > 0; --most) {
-    left.step(grid, spare, flag);
-    right.step(grid, spare, flag);
+  for (int lane = 0; lane < kRayLanes; lane += 2 * kVectorLanes) {
+    ExactWalk left;
+    ExactWalk right;
+    left.start(t_first, t_delta, stride, step_count, lane, first_cell);
+    right.start(t_first, t_delta, stride, step_count, lane + kVectorLanes, first_cell);
+    walk_two(left, right, row, step_count + lane);
   }
 }
 
@@ -215,16 +219,12 @@ void walk_bresenham(const RayRow& row) {
   }
   const std::int32_t first_cell =
       rays.first[0] * row.stride[0] + rays.first[1] * row.stride[1] + rays.first[2] * row.stride[2];
-  ThesisWalk left;
-  ThesisWalk right;
-  left.start(error, gain, loss_of, stride, step_count, 0, first_cell);
-  right.start(error, gain, loss_of, stride, step_count, kVectorLanes, first_cell);
-  const Ints spare = Ints{} + row.spare_cell;
-  std::uint8_t* const grid = row.grid;
-  const std::uint8_t flag = row.strong ? kStrongFree : kWeakFree;
-  for (std::int32_t most = longest_of(step_count); most > 0; --most) {
-    left.step(grid, spare, flag);
-    right.step(grid, spare, flag);
+  for (int lane = 0; lane < kRayLanes; lane += 2 * kVectorLanes) {
+    ThesisWalk left;
+    ThesisWalk right;
+    left.start(error, gain, loss_of, stride, step_count, lane, first_cell);
+    right.start(error, gain, loss_of, stride, step_count, lane + kVectorLanes, first_cell);
+    walk_two(left, right, row, step_count + lane);
   }
 }
 

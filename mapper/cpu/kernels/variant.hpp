@@ -6,6 +6,9 @@
 
 namespace g3d::mapper::cpu::G3D_KERNEL_VARIANT {
 
+/// Of this instruction set's registers. The compiler takes wider vectors apart into single numbers.
+inline constexpr int kVectorBytes = G3D_VECTOR_BYTES;
+
 RowCounts classify_row(const ClassifyRow& row);
 void carry_down(const std::uint16_t* depth, int count, std::uint16_t* last, std::uint16_t* ends);
 void bound_up(const BoundRow& row);

@@ -130,6 +130,7 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
     if (!complete) atomic_add(&map.refused_imports, 1U);
   });
   block.each([&](int t) {
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): thread 0 is in every block and has set it
     if (s.accepted == 0) return;
     if (s.plane != kNone) {
       reinterpret_cast<AnyWord*>(m.planes + static_cast<std::size_t>(s.plane) * kVoxels)[t] =

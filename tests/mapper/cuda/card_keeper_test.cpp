@@ -5,6 +5,8 @@
 #include <signal.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
 
 #include "mapper/map_hash.hpp"
 #include "tests/support/fake_card.hpp"
@@ -75,6 +77,36 @@ TEST_CASE("a card that is lost again and again costs no frame and no voxel") {
   CHECK(kills > 0);
   CHECK(mapper.card().losses > 0);
   CHECK(mapper.card().frames_on_card > 0);
+}
+
+TEST_CASE("a helper that dies while it comes up again is not the last one") {
+  const test::FakeCard card(test::FakeDriver::works);
+  const hal::CameraModel camera = test::small_camera(40);
+  Mapper plain(config_on(Backend::cpu), camera);
+  Mapper mapper(config_on(Backend::cuda), camera);
+  const auto frames = frames_of(camera, 200);
+  std::size_t next = 0;
+  const auto integrate_one = [&] {
+    REQUIRE(next < frames.size());
+    (void)plain.integrate(frames[next].frame, frames[next].T_world_camera);
+    (void)mapper.integrate(frames[next].frame, frames[next].T_world_camera);
+    ++next;
+  };
+  integrate_one();
+  for (int times = 0; times < 3; ++times) {  // the first one while it works, the others before they do
+    const std::uint64_t by_card = mapper.card().frames_on_card;
+    const int process = mapper.card_process();
+    REQUIRE(process > 0);
+    REQUIRE(kill(process, SIGKILL) == 0);
+    while (mapper.card_process() == process || mapper.card_process() <= 0) integrate_one();
+    CHECK(mapper.card().frames_on_card == by_card);
+  }
+  const std::uint64_t by_card = mapper.card().frames_on_card;
+  while (mapper.card().frames_on_card == by_card) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    integrate_one();
+  }
+  CHECK(map_hash(mapper.map()) == map_hash(plain.map()));
 }
 
 TEST_CASE("a footprint taken as free is in the card's map as well") {

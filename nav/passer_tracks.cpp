@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nav/passer_tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace g3d::nav {
+namespace {
+
+constexpr double kGap_m = 0.3;           // between neighbouring rays' hits: more is another body
+constexpr int kLeastRays = 3;            // fewer are noise at edges
+constexpr int kMostMissing = 2;          // rays without a reading within one body
+constexpr double kPlaceTime_s = 0.12;    // of the filter: how fast a place is believed
+constexpr double kVelocityTime_s = 0.4;  // and a velocity
+constexpr double kBehind_m = 0.3;        // looked through so far beyond his place: he is not there
+constexpr double kStride_m = 0.05;       // of looking for walls in his way
+constexpr double kStands_mps = 0.01;
+
+double seconds(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
+hal::TimeNs after(hal::TimeNs from, double s) { return from + static_cast<hal::TimeNs>(s * 1e9); }
+
+}  // namespace
+
+std::size_t PasserTracks::gather(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
+                                 const hal::PlanarPose& pose, std::array<Sight, kMostSights>& sights) const {
+  const double cos_heading = std::cos(pose.heading_rad);
+  const double sin_heading = std::sin(pose.heading_rad);
+  const auto& rays = scan.rays();
+  const auto ray_count = static_cast<int>(rays.size());
+  std::size_t count = 0;
+  for (int first = 0; first < ray_count; ++first) {
+    if (!is_somebody[static_cast<std::size_t>(first)]) continue;
+    int last = first, hits = 0;
+    double sum_x_m = 0.0, sum_y_m = 0.0;
+    for (int i = first; i < ray_count && i <= last + kMostMissing + 1; ++i) {
+      if (!is_somebody[static_cast<std::size_t>(i)]) continue;
+      const DepthScan::Ray& ray = rays[static_cast<std::size_t>(i)];
+      const DepthScan::Ray& before = rays[static_cast<std::size_t>(last)];
+      if (std::hypot(ray.hit_x_m - before.hit_x_m, ray.hit_y_m - before.hit_y_m) > kGap_m) break;
+      last = i;
+      ++hits;
+      sum_x_m += ray.hit_x_m;
+      sum_y_m += ray.hit_y_m;
+    }
+    if (hits >= kLeastRays && count < sights.size()) {
+      const double front_x_m = sum_x_m / hits;
+      const double front_y_m = sum_y_m / hits;
+      const double away_m = std::hypot(front_x_m - scan.eye_x_m(), front_y_m - scan.eye_y_m());
+      const double x_m = front_x_m + config_.depth_m * (front_x_m - scan.eye_x_m()) / away_m;
+      const double y_m = front_y_m + config_.depth_m * (front_y_m - scan.eye_y_m()) / away_m;
+      sights[count++] = {pose.x_m + cos_heading * x_m - sin_heading * y_m,
+                         pose.y_m + sin_heading * x_m + cos_heading * y_m, first > 0 && last + 1 < ray_count};
+    }
+    first = last;
+  }
+  return count;
+}
+
+PasserTracks::Track* PasserTracks::nearest(const Sight& sight, hal::TimeNs now) {
+  Track* best = nullptr;
+  double least_m = config_.gate_m;
+  for (Track& track : tracks_) {
+    if (track.ends_ns <= now || track.seen_ns == now) continue;
+    const double s = seconds(track.seen_ns, now);
+    const double away_m =
+        std::hypot(track.x_m + s * track.vx_mps - sight.x_m, track.y_m + s * track.vy_mps - sight.y_m);
+    if (away_m >= least_m) continue;
+    least_m = away_m;
+    best = &track;
+  }
+  return best;
+}
+
+PasserTracks::Track& PasserTracks::oldest() {
+  return *std::min_element(tracks_.begin(), tracks_.end(),
+                           [](const Track& a, const Track& b) { return a.ends_ns < b.ends_ns; });
+}
+
+void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) const {
+  const double s = seconds(track.seen_ns, now);
+  const double place_share = 1.0 - std::exp(-s / kPlaceTime_s);
+  const double velocity_share = 1.0 - std::exp(-s / kVelocityTime_s);
+  const double ahead_x_m = track.x_m + s * track.vx_mps;
+  const double ahead_y_m = track.y_m + s * track.vy_mps;
+  const double error_x_m = sight.x_m - ahead_x_m;
+  const double error_y_m = sight.y_m - ahead_y_m;
+  track.x_m = ahead_x_m + place_share * error_x_m;
+  track.y_m = ahead_y_m + place_share * error_y_m;
+  // What the image's edge cuts off seems to stand still at the edge.
+  if (sight.is_whole && s > 0.0) {
+    track.vx_mps += velocity_share * error_x_m / s;
+    track.vy_mps += velocity_share * error_y_m / s;
+  }
+  track.seen_ns = now;
+  track.ends_ns = after(now, config_.walks_on_s);
+  track.is_in_view = true;
+  track.has_walked = track.has_walked || is_walking(track);
+}
+
+bool PasserTracks::is_walking(const Track& track) const {
+  const double speed_mps = std::hypot(track.vx_mps, track.vy_mps);
+  return seconds(track.first_ns, track.seen_ns) >= config_.known_after_s && speed_mps >= config_.least_mps &&
+         speed_mps <= config_.most_mps;
+}
+
+// Of somebody who was not seen where he should be.
+bool PasserTracks::is_looked_through(const Track& track, const DepthScan& scan, const hal::PlanarPose& pose,
+                                     hal::TimeNs now) {
+  const double s = seconds(track.seen_ns, now);
+  const double x_m = track.x_m + s * track.vx_mps - pose.x_m;
+  const double y_m = track.y_m + s * track.vy_mps - pose.y_m;
+  const double ahead_m = std::cos(pose.heading_rad) * x_m + std::sin(pose.heading_rad) * y_m - scan.eye_x_m();
+  const double left_m = -std::sin(pose.heading_rad) * x_m + std::cos(pose.heading_rad) * y_m - scan.eye_y_m();
+  const double bearing_rad = std::atan2(left_m, ahead_m);
+  const auto& rays = scan.rays();
+  const auto* const ray =
+      std::find_if(rays.begin(), rays.end(), [&](const DepthScan::Ray& r) { return r.bearing_rad <= bearing_rad; });
+  return ray != rays.begin() && ray != rays.end() && ray->through_m > std::hypot(ahead_m, left_m) + kBehind_m;
+}
+
+// No walls on it. Cells where something came lately are his own.
+bool PasserTracks::has_way(const Track& track, const CellGrid<CellState>& states, const MovedLately& moved,
+                           hal::TimeNs now) const {
+  const double speed_mps = std::max(std::hypot(track.vx_mps, track.vy_mps), kStands_mps);
+  const int strides = static_cast<int>(speed_mps * seconds(track.seen_ns, now) / kStride_m);
+  for (int i = 0; i <= strides; ++i) {
+    const double t_s = i * kStride_m / speed_mps;
+    const Cell c = states.cell_of(track.x_m + t_s * track.vx_mps, track.y_m + t_s * track.vy_mps);
+    if (!states.contains(c)) return false;
+    if (i * kStride_m > config_.radius_m && states.at(c) == CellState::occupied && !moved.is_new(c, now)) return false;
+  }
+  return true;
+}
+
+void PasserTracks::look(const DepthScan& scan, const std::array<bool, DepthScan::kRays>& is_somebody,
+                        const CellGrid<CellState>& states, const MovedLately& moved, const hal::PlanarPose& pose,
+                        hal::TimeNs now) {
+  std::array<Sight, kMostSights> sights{};
+  const std::size_t count = gather(scan, is_somebody, pose, sights);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (Track* track = nearest(sights[i], now)) {
+      follow(*track, sights[i], now);
+    } else {
+      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true, false};
+    }
+  }
+  for (Track& track : tracks_) {
+    if (track.ends_ns <= now || track.seen_ns == now) continue;
+    track.is_in_view = false;
+    if (!track.has_walked || is_looked_through(track, scan, pose, now) || !has_way(track, states, moved, now)) {
+      track.ends_ns = 0;
+    }
+  }
+}
+
+bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
+  for (const Track& track : tracks_) {
+    if (!track.has_walked || track.ends_ns <= now) continue;
+    const bool walks = is_walking(track);
+    const double vx_mps = walks ? track.vx_mps : 0.0;
+    const double vy_mps = walks ? track.vy_mps : 0.0;
+    const double s = seconds(track.seen_ns, now);
+    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * s : 0.0);
+    const double from_x_m = x_m - (track.x_m + s * vx_mps);
+    const double from_y_m = y_m - (track.y_m + s * vy_mps);
+    double along_s = 0.0;
+    if (walks && !track.is_in_view) {
+      const double square_m2ps2 = vx_mps * vx_mps + vy_mps * vy_mps;
+      along_s = std::clamp((from_x_m * vx_mps + from_y_m * vy_mps) / square_m2ps2, 0.0, config_.ahead_s);
+    }
+    if (std::hypot(from_x_m - along_s * vx_mps, from_y_m - along_s * vy_mps) <= radius_m) return true;
+  }
+  return false;
+}
+
+}  // namespace g3d::nav
