@@ -78,7 +78,8 @@ inline G3D_GPU void settle_blocks(const Block& block, const Memory& m, const Fra
     // Every voxel was seen through and none hit: a uniform block stays one.
     const bool lowers =
         b.view == View::all_free && b.record == 0 && b.plane == kNone && b.uniform_level <= kUnknownLevel;
-    const bool settled = b.slot != kNone && b.plane == kNone && b.uniform_level == 0;
+    // Nothing can change in it; but marks of rays have to be taken away, or they would count for a later frame's box.
+    const bool settled = b.slot != kNone && b.plane == kNone && b.uniform_level == 0 && f.free_by == FreeBy::projection;
     wants[0][t] = lowers && b.slot == kNone ? 1 : 0;
     wants[1][t] = b.record != 0 || (b.view != View::hidden && !lowers && !settled) ? 1 : 0;
     changes[0][t] = lowers && !settled ? 1 : 0;
