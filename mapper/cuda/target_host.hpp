@@ -76,7 +76,10 @@ class PerThread {
  public:
   T& operator[](int thread) { return values_[static_cast<std::size_t>(thread)]; }
   [[nodiscard]] T peer(int thread, int bits) const { return values_[static_cast<std::size_t>(thread ^ bits)]; }
-  [[nodiscard]] T of(int thread, int lane) const { return values_[static_cast<std::size_t>(thread / 32 * 32 + lane)]; }
+  [[nodiscard]] T of(int thread, int lane) const {
+    const int index = thread / 32 * 32 + lane;
+    return values_[static_cast<std::size_t>(index)];
+  }
   [[nodiscard]] std::uint32_t ballot(int thread) const {
     std::uint32_t lanes = 0;
     for (int lane = 0; lane < 32; ++lane) lanes |= of(thread, lane) != 0 ? 1U << lane : 0U;
