@@ -114,6 +114,8 @@ struct Mapper::Parts {
   std::unique_ptr<cuda::CardKeeper> card;
   bool last_on_card = false;
   std::uint32_t frame_number = 0;
+  const hal::Frame* begun_frame = nullptr;  ///< until it is finished
+  std::optional<cpu::FrameGeometry> begun_geometry;
 };
 
 Mapper::Mapper(const MapperConfig& config, const hal::CameraModel& camera, std::span<const std::uint16_t> scan_mask)
@@ -122,20 +124,38 @@ Mapper::~Mapper() = default;
 
 std::int64_t Mapper::workers_cpu_ns() const { return parts_->pool.workers_cpu_ns(); }
 
-FrameReport Mapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_camera) {
+bool Mapper::begin_frame(const hal::Frame& frame, const hal::Pose& T_world_camera) {
+  Parts& p = *parts_;
+  p.begun_frame = nullptr;
+  p.last_on_card = false;
+  p.begun_geometry = cpu::frame_geometry(p.sensor, hal::to_transform(T_world_camera));
+  if (!p.begun_geometry) return false;
+  ++p.frame_number;
+  p.begun_frame = &frame;
+  const bool with_colour = p.config.with_colour && frame.has_colour;
+  p.last_on_card = p.card != nullptr && p.card->begin(frame, *p.begun_geometry, with_colour, p.frame_number);
+  return p.last_on_card;
+}
+
+FrameReport Mapper::finish_frame() {
   Parts& p = *parts_;
   FrameReport report;
-  const auto geometry = cpu::frame_geometry(p.sensor, hal::to_transform(T_world_camera));
-  if (!geometry) {
+  if (p.begun_frame == nullptr) {
     report.status = FrameStatus::out_of_range;
     return report;
   }
-  ++p.frame_number;
-  const std::uint8_t* rgb = p.config.with_colour && frame.has_colour ? frame.rgb.get() : nullptr;
-  p.last_on_card = p.card != nullptr && p.card->integrate(frame, *geometry, rgb != nullptr, p.frame_number, report);
-  if (!p.last_on_card) p.integrate_here(frame, *geometry, rgb, report);
+  if (p.last_on_card) p.last_on_card = p.card->finish(report);
+  if (!p.last_on_card) {
+    const bool with_colour = p.config.with_colour && p.begun_frame->has_colour;
+    p.integrate_here(*p.begun_frame, *p.begun_geometry, with_colour ? p.begun_frame->rgb.get() : nullptr, report);
+  }
+  p.begun_frame = nullptr;
   if (report.refused_blocks > 0) report.status = FrameStatus::pool_full;
   return report;
+}
+
+cuda::ChangedClasses Mapper::card_classes() const {
+  return parts_->last_on_card ? parts_->card->changed_classes() : cuda::ChangedClasses{};
 }
 
 void Mapper::Parts::integrate_here(const hal::Frame& frame, const cpu::FrameGeometry& geometry, const std::uint8_t* rgb,

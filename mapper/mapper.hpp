@@ -17,6 +17,10 @@
 
 namespace g3d::mapper {
 
+namespace cuda {
+struct ChangedClasses;
+}
+
 enum class IntegratorKind : std::uint8_t { dda, bresenham, projective };
 enum class MapMode : std::uint8_t {
   static_mode,   ///< registers only occupied voxels
@@ -89,7 +93,16 @@ class Mapper {
   Mapper& operator=(const Mapper&) = delete;
 
   /// One frame changes a voxel at most once. The frame's images have the size of `camera`.
-  FrameReport integrate(const hal::Frame& frame, const hal::Pose& T_world_camera);
+  FrameReport integrate(const hal::Frame& frame, const hal::Pose& T_world_camera) {
+    (void)begin_frame(frame, T_world_camera);
+    return finish_frame();
+  }
+  /// The first part of integrate(). True: a card has integrated the frame, and card_classes() tells what it changed,
+  /// while map() is still the frame before. The frame must stay until finish_frame() has brought map() up to date.
+  bool begin_frame(const hal::Frame& frame, const hal::Pose& T_world_camera);
+  FrameReport finish_frame();
+  /// After begin_frame() returned true. Empty if they were too many to be sent at once.
+  [[nodiscard]] cuda::ChangedClasses card_classes() const;
 
   /// Takes the robot's own footprint as free: a vertical cylinder standing on `base`. For the start, before any frame.
   void free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m);

@@ -19,12 +19,17 @@ class Card {
   /// Parcels, first from the host, then back to it: at most room() of them.
   [[nodiscard]] virtual const Parcels& parcels() = 0;
   [[nodiscard]] virtual std::uint32_t room() const = 0;
+  /// Of the last frame's changed blocks: all of them, if there are at most so many.
+  [[nodiscard]] virtual const Classes& classes() = 0;
+  [[nodiscard]] virtual std::uint32_t class_room() const = 0;
 
   // False: the card is lost, and what it was asked for may have happened or not.
   /// Takes `count` parcels into its map.
   virtual bool import_blocks(std::uint32_t count) = 0;
-  /// Integrates the input; then the first changed blocks are parcels.
-  virtual bool run_frame(FrameCounters& counters) = 0;
+  /// Begins with the input; only the colours may still come.
+  virtual bool begin_frame() = 0;
+  /// The input is whole. Integrates it and sends classes.
+  virtual bool finish_frame(FrameCounters& counters) = 0;
   /// Makes parcels of the changed blocks from number `first` on.
   virtual bool send_blocks(std::uint32_t first) = 0;
 };

@@ -64,8 +64,8 @@ void CardKeeper::lose() {
   start_later();
 }
 
-bool CardKeeper::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
-                           std::uint32_t frame_number, FrameReport& report) {
+bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                       std::uint32_t frame_number) {
   if (!twin_.has_card()) {
     if (helper_ != nullptr) {
       take_if_ready(helper_->state());
@@ -75,14 +75,21 @@ bool CardKeeper::integrate(const hal::Frame& frame, const cpu::FrameGeometry& ge
     }
   }
   if (twin_.has_card()) {
-    FrameReport by_card;
-    if (twin_.integrate(frame, geometry, with_colour, frame_number, by_card)) {
-      report = by_card;
-      ++report_.frames_on_card;
-      return true;
-    }
+    begun_ = {};
+    if (twin_.begin(frame, geometry, with_colour, frame_number, begun_)) return true;
     lose();
   }
+  ++report_.frames_on_cpu;
+  return false;
+}
+
+bool CardKeeper::finish(FrameReport& report) {
+  if (twin_.finish(begun_)) {
+    report = begun_;
+    ++report_.frames_on_card;
+    return true;
+  }
+  lose();
   ++report_.frames_on_cpu;
   return false;
 }

@@ -20,9 +20,13 @@ class CardKeeper {
   CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask,
              VoxelMap& mirror);
 
-  /// False: there is no card, or it was lost with this frame; the map is what it was, and the caller goes on.
-  [[nodiscard]] bool integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
-                               std::uint32_t frame_number, FrameReport& report);
+  /// See Twin::begin(). False: there is no card, or it was lost with this frame; the map is what it was, and the caller
+  /// goes on.
+  [[nodiscard]] bool begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                           std::uint32_t frame_number);
+  /// See Twin::finish(). After begin() returned true; false as there.
+  [[nodiscard]] bool finish(FrameReport& report);
+  [[nodiscard]] ChangedClasses changed_classes() const { return twin_.changed_classes(); }
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return twin_.changed_slots(); }
   [[nodiscard]] bool is_ready() const { return twin_.has_card(); }
   [[nodiscard]] const CardReport& report() const { return report_; }
@@ -40,6 +44,7 @@ class CardKeeper {
   std::shared_ptr<HelperProcess> helper_;
   int lost_process_ = -1;  ///< the last one that was lost, until the system has done away with it
   CardReport report_;
+  FrameReport begun_;                     ///< of the frame in hand
   std::uint32_t troubles_ = 0;            ///< losses, and helpers that did not come up again
   std::uint32_t frames_until_start_ = 0;  ///< after one of them; 0: never again, or it is under way
 };

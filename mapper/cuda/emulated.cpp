@@ -12,6 +12,7 @@ namespace g3d::mapper::cuda {
 namespace {
 
 constexpr std::uint32_t kRoom = 512;  // little, so that tests see more than one round
+constexpr std::uint32_t kClassRoom = 2048;
 
 }  // namespace
 
@@ -21,7 +22,9 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
       bytes_(place(memory_, sizes, 0) + kAlign_bytes),
       heads_(kRoom),
       planes_(kRoom),
-      bricks_(std::size_t{kRoom} * kBricks) {
+      bricks_(std::size_t{kRoom} * kBricks),
+      class_heads_(kClassRoom),
+      class_planes_(kClassRoom) {
   const std::uintptr_t base =
       (reinterpret_cast<std::uintptr_t>(bytes_.data()) + kAlign_bytes - 1) / kAlign_bytes * kAlign_bytes;
   place(memory_, sizes, base);
@@ -31,6 +34,7 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
   std::copy(row_slope.begin(), row_slope.end(), memory_.row_slope);
   std::copy(mask.begin(), mask.end(), memory_.mask);
   parcels_ = {heads_.data(), planes_.data(), bricks_.data()};
+  classes_ = {class_heads_.data(), class_planes_.data()};
 }
 
 std::uint64_t Emulated::next_random() {
@@ -63,27 +67,25 @@ bool Emulated::import_blocks(std::uint32_t count) {
   return true;
 }
 
-bool Emulated::run_frame(FrameCounters& counters) {
-  launch(41, kPixelThreads, [&](const Block& block) { scan_image(block, memory_); });
-  launch(37, kPixelThreads, [&](const Block& block) { reduce_image(block, memory_); });
+bool Emulated::finish_frame(FrameCounters& counters) {
+  launch(41, kPixelThreads, [&](const Block& block) { read_image(block, memory_, memory_.input->params); });
   if (walks_rays(memory_.input->params.free_by)) {
-    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_); });
+    launch(23, kPixelThreads, [&](const Block& block) { walk_image(block, memory_, memory_.input->params); });
   }
-  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_); });
-  launch(53, kUpdateThreads, [&](const Block& block) { update_map(block, memory_); });
-  send(0, counters);
+  launch(43, kPixelThreads, [&](const Block& block) { find_work(block, memory_, memory_.input->params); });
+  // Both kernels give the same map, so every frame may choose.
+  launch(53, kUpdateThreads, [&, one = next_random() % 2 == 0](const Block& block) {
+    one ? update_map<1>(block, memory_, memory_.input->params) : update_map<4>(block, memory_, memory_.input->params);
+  });
+  launch(13, kParcelThreads, [&](const Block& block) {
+    export_classes(block, memory_, memory_.input->params, classes_, &counters, class_room());
+  });
   return true;
 }
 
 bool Emulated::send_blocks(std::uint32_t first) {
-  FrameCounters again{};
-  send(first, again);
+  launch(11, kParcelThreads, [&](const Block& block) { export_blocks(block, memory_, parcels_, first, room()); });
   return true;
-}
-
-void Emulated::send(std::uint32_t first, FrameCounters& counters) {
-  launch(11, kParcelThreads,
-         [&](const Block& block) { export_blocks(block, memory_, parcels_, &counters, first, room()); });
 }
 
 }  // namespace g3d::mapper::cuda

@@ -23,8 +23,11 @@ class Emulated final : public Card {
   [[nodiscard]] std::uint8_t* rgb() override { return memory_.rgb; }
   [[nodiscard]] const Parcels& parcels() override { return parcels_; }
   [[nodiscard]] std::uint32_t room() const override { return static_cast<std::uint32_t>(heads_.size()); }
+  [[nodiscard]] const Classes& classes() override { return classes_; }
+  [[nodiscard]] std::uint32_t class_room() const override { return static_cast<std::uint32_t>(class_heads_.size()); }
   bool import_blocks(std::uint32_t count) override;
-  bool run_frame(FrameCounters& counters) override;
+  bool begin_frame() override { return true; }
+  bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }
@@ -32,7 +35,6 @@ class Emulated final : public Card {
  private:
   template <typename Kernel>
   void launch(int blocks, int threads, Kernel&& kernel);
-  void send(std::uint32_t first, FrameCounters& counters);
   std::uint64_t next_random();
   void shuffle(std::vector<int>& order);
 
@@ -42,7 +44,10 @@ class Emulated final : public Card {
   std::vector<ParcelHead> heads_;
   std::vector<ParcelPlane> planes_;
   std::vector<ParcelBrick> bricks_;
+  std::vector<ClassHead> class_heads_;
+  std::vector<ClassPlane> class_planes_;
   Parcels parcels_{};
+  Classes classes_{};
 };
 
 }  // namespace g3d::mapper::cuda

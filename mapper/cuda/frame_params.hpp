@@ -14,7 +14,7 @@ inline constexpr int kPadding = 8;        ///< cells around every image of ray e
 inline constexpr int kImageLevels = 7;    ///< level l has cells of 2^l pixels
 inline constexpr int kLargestWindow = 7;  ///< cells
 inline constexpr int kBaseLevel = 2;      ///< the depth pyramid begins with cells of 4 pixels
-inline constexpr int kPyramidLevels = 5;  ///< levels 2..6 are kept; coarser ones are gathered from the last
+inline constexpr int kPyramidLevels = 4;  ///< levels 2..5 are kept; coarser ones are gathered from the last
 
 struct ImageShape {
   std::int32_t width;  ///< cells without padding
@@ -24,7 +24,7 @@ struct ImageShape {
 };
 
 /// Where a window of some size lies in its image; see cpu::Projective::Window.
-struct WindowPlace {
+struct alignas(8) WindowPlace {
   float cells_per_px;
   float shift_x;
   float shift_y;
@@ -99,14 +99,13 @@ struct FrameTables {
 struct FrameCounters {
   std::uint32_t valid;
   std::uint32_t too_near;
-  std::uint32_t far;
-  std::uint32_t invalid;
+  std::uint32_t far;              ///< all others have no reading
   std::uint32_t records;          ///< blocks in which something was measured
   std::uint32_t items;            ///< blocks to look at
   std::uint32_t changed;          ///< blocks that the frame changed
   std::uint32_t refused;          ///< for lack of memory
   std::uint32_t refused_imports;  ///< of all frames so far
-  std::uint32_t reserved[3];
+  std::uint32_t reserved[4];
 };
 
 struct FrameInput {

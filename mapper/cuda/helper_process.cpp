@@ -55,6 +55,8 @@ std::unique_ptr<HelperProcess> HelperProcess::start(const HelperSetup& setup, st
   HelperControl layout{};
   layout.sizes = setup.sizes;
   layout.room = setup.room;
+  layout.class_room = setup.class_room;
+  layout.update_warps = setup.update_warps;
   helper->bytes_ = lay_out(layout, setup.kernels.size());
   helper->memory_file_ = memfd_create("g3dmap-card", MFD_CLOEXEC);
   if (helper->memory_file_ < 0 || ftruncate(helper->memory_file_, static_cast<off_t>(helper->bytes_)) != 0) {
@@ -76,6 +78,7 @@ std::unique_ptr<HelperProcess> HelperProcess::start(const HelperSetup& setup, st
 void HelperProcess::fill(const HelperSetup& setup) {
   control_->version = kProtocolVersion;
   room_ = setup.room;
+  class_room_ = setup.class_room;
   patience_ns_ = setup.patience_ns;
   std::memcpy(at<char>(control_->program), setup.kernels.data(), setup.kernels.size());
   Memory zero_based{};
@@ -90,6 +93,7 @@ void HelperProcess::fill(const HelperSetup& setup) {
   std::copy(setup.mask.begin(), setup.mask.end(),
             at<std::uint16_t>(control_->sensor + offset(zero_based.mask) - first));
   parcels_ = {at<ParcelHead>(control_->heads), at<ParcelPlane>(control_->planes), at<ParcelBrick>(control_->bricks)};
+  classes_ = {at<ClassHead>(control_->class_heads), at<ClassPlane>(control_->class_planes)};
 }
 
 bool HelperProcess::spawn(std::span<const std::byte> program, std::string& problem) {
@@ -165,30 +169,41 @@ std::string HelperProcess::problem() const {
   return ended_ ? "the helper process ended" : "the helper process does not answer";
 }
 
-bool HelperProcess::ask(HelperCommand command, std::uint32_t count, hal::TimeNs patience_ns) {
+bool HelperProcess::post(HelperCommand command, std::uint32_t count) {
   if (ended_) return false;
   control_->command = static_cast<std::uint32_t>(command);
   control_->count = count;
-  const std::uint32_t before = asked_++;
+  ++asked_;
   __atomic_store_n(&control_->asked, asked_, __ATOMIC_RELEASE);
   wake(control_->asked);
+  return true;
+}
+
+bool HelperProcess::wait_answer(hal::TimeNs patience_ns) {
   for (int i = 0; i < kSpins; ++i) {
     if (read_word(control_->answered) == asked_) return control_->ok == 1;
   }
   const hal::TimeNs end_ns = clock_.now() + patience_ns;
   while (read_word(control_->answered) != asked_) {
     if (has_ended() || clock_.now() > end_ns) return false;
-    sleep_while(control_->answered, before, kLook_ns);
+    sleep_while(control_->answered, asked_ - 1, kLook_ns);
   }
   return control_->ok == 1;
+}
+
+bool HelperProcess::ask(HelperCommand command, std::uint32_t count, hal::TimeNs patience_ns) {
+  return post(command, count) && wait_answer(patience_ns);
 }
 
 bool HelperProcess::import_blocks(std::uint32_t count) {
   return ask(HelperCommand::import_blocks, count, kImportPatience_ns);
 }
 
-bool HelperProcess::run_frame(FrameCounters& counters) {
-  if (!ask(frame_command_, 0, patience_ns_)) return false;
+bool HelperProcess::begin_frame() { return post(frame_command_, 0); }
+
+bool HelperProcess::finish_frame(FrameCounters& counters) {
+  __atomic_store_n(&control_->coloured, asked_, __ATOMIC_RELEASE);
+  if (!wait_answer(patience_ns_)) return false;
   counters = control_->counters;
   return true;
 }

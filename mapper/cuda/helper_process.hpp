@@ -21,10 +21,12 @@ struct HelperSetup {
   std::span<const std::byte> program;  ///< the helper's executable
   std::string_view kernels;            ///< PTX
   MemorySizes sizes;
-  std::uint32_t room = 16384;  ///< parcels in one go
+  std::uint32_t room = 32768;  ///< parcels in one go
+  std::uint32_t class_room = 65536;
   std::span<const float> column_slope;
   std::span<const float> row_slope;
   std::span<const std::uint16_t> mask;
+  std::uint32_t update_warps = 0;        ///< for measurements; see HelperControl
   hal::TimeNs patience_ns = 33'000'000;  ///< a frame's time: a helper that takes longer is taken for hung
 };
 
@@ -52,11 +54,14 @@ class HelperProcess final : public Card {
   [[nodiscard]] std::uint8_t* rgb() override { return rgb_; }
   [[nodiscard]] const Parcels& parcels() override { return parcels_; }
   [[nodiscard]] std::uint32_t room() const override { return room_; }
+  [[nodiscard]] const Classes& classes() override { return classes_; }
+  [[nodiscard]] std::uint32_t class_room() const override { return class_room_; }
   bool import_blocks(std::uint32_t count) override;
-  bool run_frame(FrameCounters& counters) override;
+  bool begin_frame() override;
+  bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
 
-  /// For measurements: run_frame() asks for this instead, and stages_us() tells what it took.
+  /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.
   void set_frame_command(HelperCommand command) { frame_command_ = command; }
   [[nodiscard]] std::span<const float, kStages> stages_us() const {
     return std::span<const float, kStages>(control_->stage_us);
@@ -65,6 +70,8 @@ class HelperProcess final : public Card {
   bool ask(HelperCommand command, std::uint32_t count, hal::TimeNs patience_ns);
 
  private:
+  bool post(HelperCommand command, std::uint32_t count);
+  bool wait_answer(hal::TimeNs patience_ns);
   HelperProcess() = default;
   template <typename T>
   [[nodiscard]] T* at(std::uint64_t offset) const {
@@ -85,9 +92,11 @@ class HelperProcess final : public Card {
   bool waits_for_end_ = true;
   std::uint32_t asked_ = 0;
   std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
+  std::uint32_t class_room_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
   Parcels parcels_{};
+  Classes classes_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

@@ -11,20 +11,20 @@
 
 namespace g3d::mapper::cuda {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
 inline constexpr int kHelperLine = 4;  ///< one end of a socket pair; low, so that a dying process closes it first
-inline constexpr int kStages = 8;
+inline constexpr int kStages = 9;
 
 enum class HelperState : std::uint32_t { starting, ready, failed };
 
 enum class HelperCommand : std::uint32_t {
   import_blocks,
-  run_frame,
-  run_frame_timed,   ///< copies first; then how long the launches took, and what comes back, in stage_us[0] and [1]
+  run_frame,         ///< until the classes are there; the first parcels are under way then
+  run_frame_timed,   ///< copies first; then in stage_us how long the launches took, the classes, the first parcels
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
-  send_blocks,
-  hang,  ///< for tests: never answers
+  send_blocks,       ///< from number `count` on
+  hang,              ///< for tests: never answers
 };
 
 /// At the beginning of the shared memory. Written by the program, but where it says otherwise.
@@ -37,6 +37,9 @@ struct HelperControl {
   std::uint32_t count;  ///< parcels to import, or first changed block to send
   std::uint32_t ok;     ///< by the helper
   std::uint32_t room;   ///< parcels in one go
+  std::uint32_t class_room;
+  std::uint32_t coloured;      ///< number of the command whose colours are there
+  std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
   MemorySizes sizes;
   FrameCounters counters;  ///< by the card
   // Offsets in bytes from here
@@ -45,6 +48,8 @@ struct HelperControl {
   std::uint64_t input_bytes;
   std::uint64_t sensor;  ///< column_slope, row_slope, mask as Memory has them
   std::uint64_t sensor_bytes;
+  std::uint64_t class_heads;
+  std::uint64_t class_planes;
   std::uint64_t heads;
   std::uint64_t planes;
   std::uint64_t bricks;
@@ -75,6 +80,8 @@ struct HelperControl {
   control.input = take(control.input_bytes);
   control.sensor_bytes = offset(m.ends[0]) - offset(m.column_slope);
   control.sensor = take(control.sensor_bytes);
+  control.class_heads = take(std::uint64_t{control.class_room} * sizeof(ClassHead));
+  control.class_planes = take(std::uint64_t{control.class_room} * sizeof(ClassPlane));
   control.heads = take(std::uint64_t{control.room} * sizeof(ParcelHead));
   control.planes = take(std::uint64_t{control.room} * sizeof(ParcelPlane));
   control.bricks = take(std::uint64_t{control.room} * kBricks * sizeof(ParcelBrick));

@@ -9,20 +9,24 @@
 
 using namespace g3d::mapper::cuda;
 
-/// Filled by whoever owns the memory, before the first launch. All threads read the same word at once: what constant
-/// memory is for.
+/// Filled by whoever owns the memory, before the first launch and before each frame. All threads read the same word at
+/// once: what constant memory is for.
 extern "C" {
 __attribute__((constant)) Memory memory_map;
+__attribute__((constant)) FrameParams frame_params;
 }
 
 G3D_KERNEL(kParcelThreads, 8) import_blocks_kernel(const Parcels in, std::uint32_t count) {
   import_blocks(Block{}, memory_map, in, count);
 }
-G3D_KERNEL(kPixelThreads, 5) scan_image_kernel() { scan_image(Block{}, memory_map); }
-G3D_KERNEL(kPixelThreads, 3) reduce_image_kernel() { reduce_image(Block{}, memory_map); }
-G3D_KERNEL(kPixelThreads, 6) walk_image_kernel() { walk_image(Block{}, memory_map); }
-G3D_KERNEL(kPixelThreads, 4) find_work_kernel() { find_work(Block{}, memory_map); }
-G3D_KERNEL(kUpdateThreads, 6) update_map_kernel() { update_map(Block{}, memory_map); }
-G3D_KERNEL(kParcelThreads, 8) export_blocks_kernel(const Parcels out, FrameCounters* counters, std::uint32_t first, std::uint32_t room) {
-  export_blocks(Block{}, memory_map, out, counters, first, room);
+G3D_KERNEL(kPixelThreads, 4) read_image_kernel() { read_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 6) walk_image_kernel() { walk_image(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kPixelThreads, 4) find_work_kernel() { find_work(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kUpdateThreads, 6) update_map_1_kernel() { update_map<1>(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kUpdateThreads, 6) update_map_4_kernel() { update_map<4>(Block{}, memory_map, frame_params); }
+G3D_KERNEL(kParcelThreads, 8) export_classes_kernel(const Classes out, FrameCounters* counters, std::uint32_t room) {
+  export_classes(Block{}, memory_map, frame_params, out, counters, room);
+}
+G3D_KERNEL(kParcelThreads, 8) export_blocks_kernel(const Parcels out, std::uint32_t first, std::uint32_t room) {
+  export_blocks(Block{}, memory_map, out, first, room);
 }

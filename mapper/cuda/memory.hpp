@@ -28,29 +28,38 @@ struct GpuBlock {
 };
 
 /// A block that the frame may change.
-struct WorkItem {
-  std::uint32_t block_id;  ///< in the frame's box
-  std::uint32_t slot;      ///< kNone: not in the map yet
-  std::uint32_t record;    ///< kNone: nothing was measured in it
-  std::uint32_t view;      ///< View
-  float farthest_m;        ///< see cpu::BlockView
-  float nearest_m;
-  GpuBlock old;  ///< as the frame found it
+struct alignas(32) WorkItem {
+  std::uint32_t where;       ///< in the frame's box: x | y << 10 | z << 20
+  std::uint32_t slot;        ///< kNone: not in the map yet
+  std::uint32_t record;      ///< kNone: nothing was measured in it
+  std::uint32_t view;        ///< View
+  std::uint32_t choices[2];  ///< a byte for each brick: View | window's level << 2 | cells << 5
+  std::uint32_t plane;       ///< as the frame found the block
+  std::uint32_t uniform_level;
 };
 
-/// Slots of one kind. What is given back during a launch can be taken from the next frame on.
-struct GpuPool {
-  std::int32_t free_count;  ///< on the stack
+/// A share of the slots of one kind, `taken` counted from the last of the stack downwards, then from high_water
+/// upwards. Frames tidy up at their start: what is given back during a launch can be taken from the next frame on.
+struct alignas(128) GpuPool {
+  std::uint32_t free_count;  ///< on the stack
   std::uint32_t high_water;
+  std::uint32_t taken;
   std::uint32_t returned_count;
+  std::uint32_t first;  ///< slot; the share's stacks begin there as well
   std::uint32_t capacity;
 };
 
+/// Atomic operations on one word come one after the other, some nanoseconds each: shares spread them over many words.
+inline constexpr std::uint32_t kShares = 16;
+struct GpuPools {
+  GpuPool shares[kShares];
+  std::uint32_t share_size;  ///< slots, but of the last ones
+};
+
 struct MapState {
-  GpuPool blocks;
-  GpuPool planes;
-  GpuPool bricks;
-  std::uint32_t table_mask;
+  GpuPools blocks;
+  GpuPools planes;
+  GpuPools bricks;
   std::uint32_t refused_imports;  ///< blocks from the host for which there was no room, ever
 };
 
@@ -79,6 +88,20 @@ struct Parcels {
   ParcelBrick* bricks;
 };
 
+/// What navigation asks of a changed block: which of its voxels are unknown, free or occupied.
+struct ClassHead {
+  std::uint64_t key;
+  std::uint32_t uniform;  ///< class of all voxels, kNone: they differ
+  std::uint32_t reserved;
+};
+struct ClassPlane {
+  std::uint32_t words[kVoxels / 16];  ///< 2 bits for each voxel: 0 unknown, 1 free, 2 occupied
+};
+struct Classes {
+  ClassHead* heads;
+  ClassPlane* planes;  ///< same index
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;
@@ -93,13 +116,12 @@ struct Memory {
   std::uint16_t* strong[kImageLevels];     ///< the same of measured rays alone; level 0 follows from ends and depth
   std::uint16_t* four[kImageLevels];       ///< maxima over windows of 4x4 cells that begin there
   std::uint16_t* two;                      ///< 2x2, of level 0
-  std::uint16_t* column_bound;             ///< nearest reading above and below a pixel without one
   std::uint32_t* pyramid[kPyramidLevels];  ///< minimum | maximum << 16
+  std::uint32_t* tile_kinds;               ///< of each tile of readings, see kind_of(): 4 words
   // Hits
   std::uint32_t* pixel_block;      ///< block of the box in which a pixel's reading lies, kNone without a trusted one
-  std::uint16_t* pixel_place;      ///< M & 511
+  std::uint16_t* pixel_code;       ///< M & 511 << 1 | may give its colour
   std::uint32_t* record_of_block;  ///< index + 1; 0 = none
-  std::uint32_t* hit_blocks;       ///< block of each record
   std::uint32_t* hits;             ///< 512 per record: see hits.hpp. All ones between frames
   // Rays
   std::uint32_t* marks;         ///< weak and strong bits of each block of the box. Zero between frames
@@ -109,6 +131,7 @@ struct Memory {
   std::uint32_t* changed;  ///< slots
   // The map
   MapState* state;
+  std::uint32_t table_mask;
   std::uint64_t* table_keys;  ///< key + 1; 0 = empty, kForgotten. Linear probing
   std::uint32_t* table_slots;
   GpuBlock* blocks;
@@ -140,8 +163,21 @@ struct MemorySizes {
   return size;
 }
 
+[[nodiscard]] constexpr GpuPools initial_pools(std::uint32_t capacity) {
+  GpuPools pools{};
+  pools.share_size = (capacity + kShares - 1) / kShares;
+  if (pools.share_size == 0) pools.share_size = 1;
+  std::uint32_t first = 0;
+  for (GpuPool& share : pools.shares) {
+    const std::uint32_t left = capacity - first;
+    const std::uint32_t size = left < pools.share_size ? left : pools.share_size;
+    share = {0, first, 0, 0, first, size};
+    first += size;
+  }
+  return pools;
+}
 [[nodiscard]] constexpr MapState initial_state(const MemorySizes& s) {
-  return {{0, 0, 0, s.blocks}, {0, 0, 0, s.planes}, {0, 0, 0, s.bricks}, table_size(s.blocks) - 1, 0};
+  return {initial_pools(s.blocks), initial_pools(s.planes), initial_pools(s.bricks), 0};
 }
 
 [[nodiscard]] constexpr ImageShape level_shape(std::uint32_t width_px, std::uint32_t height_px, int level) {
@@ -154,6 +190,11 @@ struct MemorySizes {
   const std::uint32_t stride = (w + 2 * kPadding + 31) / 32 * 32;
   return {static_cast<std::int32_t>(w), static_cast<std::int32_t>(h), static_cast<std::int32_t>(stride),
           static_cast<std::int32_t>(h + 2 * kPadding)};
+}
+
+/// Tiles of 32 x 32 pixels.
+[[nodiscard]] constexpr std::size_t tile_count(std::uint32_t width_px, std::uint32_t height_px) {
+  return static_cast<std::size_t>((width_px + 31) / 32) * ((height_px + 31) / 32);
 }
 
 /// Every array begins at a multiple of this.
@@ -188,17 +229,17 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
     const std::size_t bare = static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
     if (l >= kBaseLevel) take(m.pyramid[l - kBaseLevel], bare);
   }
-  take(m.column_bound, pixels);
+  take(m.tile_kinds, std::size_t{4} * tile_count(s.width_px, s.height_px));
   const std::size_t records = pixels < s.box_blocks ? pixels : s.box_blocks;
   take(m.pixel_block, pixels);
-  take(m.pixel_place, pixels);
+  take(m.pixel_code, pixels);
   take(m.record_of_block, s.box_blocks);
-  take(m.hit_blocks, records);
   take(m.marks, s.walks_rays != 0 ? std::size_t{s.box_blocks} * 2 * kMarkWords : 0);
   take(m.marked_blocks, s.walks_rays != 0 ? s.box_blocks : 0);
   take(m.items, s.box_blocks);
   take(m.changed, s.box_blocks);
   take(m.state, 1);
+  m.table_mask = table_size(s.blocks) - 1;
   take(m.table_keys, table_size(s.blocks));
   take(m.table_slots, table_size(s.blocks));
   take(m.blocks, s.blocks);

@@ -33,37 +33,58 @@ void Twin::set_card(std::shared_ptr<Card> card) {
   card_is_empty_ = true;
 }
 
-bool Twin::integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
-                     std::uint32_t frame_number, FrameReport& report) {
+bool Twin::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                 std::uint32_t frame_number, FrameReport& report) {
   changed_count_ = 0;
+  on_card_ = 0;
+  frame_number_ = frame_number;
   if (!send_changes()) return false;
   FrameInput& input = card_->input();
   builder_.fill(geometry, with_colour, frame_number, input);
   const std::size_t pixels = builder_.mask().size();
   std::memcpy(card_->depth(), frame.depth.get(), pixels * sizeof(std::uint16_t));
+  if (!card_->begin_frame()) return false;
   if (with_colour) std::memcpy(card_->rgb(), frame.rgb.get(), 3 * pixels);
   FrameCounters counters{};
-  if (!card_->run_frame(counters) || counters.refused_imports > 0) return false;
+  if (!card_->finish_frame(counters) || counters.refused_imports > 0) return false;
   if (counters.changed > changed_.size()) return false;  // no healthy card says so
+  if (counters.changed <= card_->class_room() && !are_sane(card_->classes(), counters.changed)) return false;
+  on_card_ = counters.changed;
   report.valid_pixels = counters.valid;
   report.too_near_pixels = counters.too_near;
   report.far_pixels = counters.far;
-  report.invalid_pixels = counters.invalid;
+  report.invalid_pixels = static_cast<std::uint32_t>(pixels) - counters.valid - counters.too_near - counters.far;
   report.hit_blocks = counters.records;
   report.refused_blocks = counters.refused;
-  if (counters.changed <= card_->room()) {
-    if (!are_sane(card_->parcels(), counters.changed)) return false;
-    take(card_->parcels(), counters.changed, frame_number, report);
+  return true;
+}
+
+bool Twin::finish(FrameReport& report) {
+  if (on_card_ <= card_->room()) {
+    if (on_card_ > 0 && (!card_->send_blocks(0) || !are_sane(card_->parcels(), on_card_))) return false;
+    take(card_->parcels(), on_card_, report);
     return true;
   }
   kept_ = 0;
-  while (kept_ < counters.changed) {
-    if (kept_ > 0 && !card_->send_blocks(kept_)) return false;
-    const std::uint32_t next = std::min(card_->room(), counters.changed - kept_);
-    if (!are_sane(card_->parcels(), next)) return false;
+  while (kept_ < on_card_) {
+    const std::uint32_t next = std::min(card_->room(), on_card_ - kept_);
+    if (!card_->send_blocks(kept_) || !are_sane(card_->parcels(), next)) return false;
     keep(next);
   }
-  take({kept_heads_.data(), kept_planes_.data(), kept_bricks_.data()}, kept_, frame_number, report);
+  take({kept_heads_.data(), kept_planes_.data(), kept_bricks_.data()}, kept_, report);
+  return true;
+}
+
+ChangedClasses Twin::changed_classes() const {
+  if (card_ == nullptr || on_card_ > card_->class_room()) return {};
+  return {{card_->classes().heads, on_card_}, {card_->classes().planes, on_card_}};
+}
+
+bool Twin::are_sane(const Classes& classes, std::uint32_t count) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const ClassHead& head = classes.heads[i];
+    if (head.key >> kKeyBits != 0 || (head.uniform > 2 && head.uniform != kNone)) return false;
+  }
   return true;
 }
 
@@ -92,9 +113,9 @@ void Twin::keep(std::uint32_t count) {
   }
 }
 
-void Twin::take(const Parcels& parcels, std::uint32_t count, std::uint32_t frame_number, FrameReport& report) {
+void Twin::take(const Parcels& parcels, std::uint32_t count, FrameReport& report) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t slot = take_parcel(mirror_, parcels, i, frame_number);
+    const std::uint32_t slot = take_parcel(mirror_, parcels, i, frame_number_);
     if (slot != kNoSlot) {
       changed_[changed_count_++] = slot;
     } else {

@@ -20,6 +20,12 @@
 
 namespace g3d::mapper::cuda {
 
+/// Of the blocks that a frame changed.
+struct ChangedClasses {
+  std::span<const ClassHead> heads;
+  std::span<const ClassPlane> planes;  ///< same index; meaningless where the head says that all voxels are alike
+};
+
 class Twin {
  public:
   /// All references outlive this. The card's map is empty; what the mirror holds already is sent before the first
@@ -35,9 +41,18 @@ class Twin {
   void set_card(std::shared_ptr<Card> card);
   [[nodiscard]] bool has_card() const { return card_ != nullptr; }
 
-  /// False: the card is lost, and the mirror is what it was before.
+  /// begin() and finish(). False: the card is lost, and the mirror is what it was before.
   [[nodiscard]] bool integrate(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
-                               std::uint32_t frame_number, FrameReport& report);
+                               std::uint32_t frame_number, FrameReport& report) {
+    return begin(frame, geometry, with_colour, frame_number, report) && finish(report);
+  }
+  /// The card integrates the frame and tells the classes of what it changed; the mirror is still the frame before.
+  [[nodiscard]] bool begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
+                           std::uint32_t frame_number, FrameReport& report);
+  /// The mirror becomes what the card's map is.
+  [[nodiscard]] bool finish(FrameReport& report);
+  /// Between begin() and the next one. Empty when there were too many for the memory shared with the card.
+  [[nodiscard]] ChangedClasses changed_classes() const;
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
 
  private:
@@ -45,14 +60,17 @@ class Twin {
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
+  [[nodiscard]] static bool are_sane(const Classes& classes, std::uint32_t count);
   void keep(std::uint32_t count);
-  void take(const Parcels& parcels, std::uint32_t count, std::uint32_t frame_number, FrameReport& report);
+  void take(const Parcels& parcels, std::uint32_t count, FrameReport& report);
 
   FrameBuilder builder_;
   VoxelMap& mirror_;
   BlockJournal journal_;
   std::shared_ptr<Card> card_;
   bool card_is_empty_ = true;
+  std::uint32_t frame_number_ = 0;
+  std::uint32_t on_card_ = 0;  ///< blocks that the frame changed there
   std::vector<std::uint32_t> changed_;
   std::size_t changed_count_ = 0;
   // What came in several rounds, until the frame is wholly there

@@ -12,6 +12,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +33,8 @@ using namespace g3d::mapper;
 namespace {
 
 int failures = 0;
+std::uint32_t update_warps = 0;
+std::string other_kernels;
 
 double now_us() { return static_cast<double>(hal::RealClock().now()) * 1e-3; }
 
@@ -87,11 +91,12 @@ struct Rig {
         twin(settings, sensor, {}, map) {
     std::string problem;
     helper = cuda::HelperProcess::start({.program = cuda::carried_helper(),
-                                         .kernels = cuda::carried_kernels(),
+                                         .kernels = other_kernels.empty() ? cuda::carried_kernels() : other_kernels,
                                          .sizes = twin.builder().sizes(),
                                          .column_slope = sensor.column_slope,
                                          .row_slope = sensor.row_slope,
                                          .mask = twin.builder().mask(),
+                                         .update_warps = update_warps,
                                          .patience_ns = 60'000'000'000},  // a profiler may take its time
                                         problem);
     if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
@@ -136,32 +141,36 @@ void measure(const MapperConfig& config, const test::Workload& work) {
     }
     if (by_stages) {
       fmt::print(
-          "stages  {}: copy {:.1f} scan {:.1f} reduce {:.1f} walk {:.1f} find {:.1f} update {:.1f} export {:.1f} us\n",
+          "stages  {}: copy {:.1f} read {:.1f} walk {:.1f} find {:.1f} update {:.1f} classes {:.1f} export {:.1f} us\n",
           title(config, work), median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(stage_us[3]),
-          median(stage_us[4]), median(stage_us[5]), median(stage_us[6]));
+          median(stage_us[4]) + median(stage_us[5]), median(stage_us[6]), median(stage_us[7]));
     } else {
-      fmt::print("time    {}: {} pass, card {:.1f} us, changed blocks back {:.1f} us, {:.0f} of them\n",
-                 title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(changed));
+      fmt::print("time    {}: {} pass, card {:.1f} us, classes back {:.1f} us, blocks back {:.1f} us, {:.0f} of them\n",
+                 title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(stage_us[2]),
+                 median(changed));
     }
   }
-  // What a robot sees: from the frame to the updated mirror, twice, and the CPU twin on one core.
+  // What a robot sees: from the frame to the classes in its memory, and on to the updated mirror; twice; and the CPU
+  // twin on one core.
   MapperConfig one_thread = on(Backend::cpu, config);
   one_thread.threads = 1;
   Mapper with_card(on(Backend::cuda, config), work.camera);
   Mapper alone(one_thread, work.camera);
   for (const char* pass : {"first", "again"}) {
+    std::vector<double> classes_us;
     std::vector<double> card_us;
     std::vector<double> cpu_us;
     for (const auto& [frame, pose] : work.frames) {
       const double start_us = now_us();
-      (void)with_card.integrate(frame, pose);
+      if (with_card.begin_frame(frame, pose)) classes_us.push_back(now_us() - start_us);
+      (void)with_card.finish_frame();
       const double half_us = now_us();
       (void)alone.integrate(frame, pose);
       card_us.push_back(half_us - start_us);
       cpu_us.push_back(now_us() - half_us);
     }
-    fmt::print("whole   {}: {} pass, frame to mirror {:.0f} us, CPU twin {:.0f} us\n", title(config, work), pass,
-               median(card_us), median(cpu_us));
+    fmt::print("whole   {}: {} pass, frame to classes {:.0f} us, to mirror {:.0f} us, CPU twin {:.0f} us\n",
+               title(config, work), pass, median(classes_us), median(card_us), median(cpu_us));
   }
   const MapCounts counts = rig.map.counts();
   fmt::print("memory  {}: {} known voxels, {:.2f} bytes each in the mirror, card {} MB reserved\n", title(config, work),
@@ -246,6 +255,11 @@ int main(int argc, char** argv) {
     if (name == "--log") log = value;
     if (name == "--frames") frames = std::atoi(value.c_str());
     if (name == "--times") times = std::atoi(value.c_str());
+    if (name == "--kernels") {
+      std::ifstream file(value);
+      other_kernels.assign(std::istreambuf_iterator<char>(file), {});
+    }
+    if (name == "--warps") update_warps = static_cast<std::uint32_t>(std::atoi(value.c_str()));
     if (name == "--step") step_s = std::atof(value.c_str());
     if (name == "--what") what.push_back(value);
     if (name == "--resolution") resolutions_m.push_back(static_cast<float>(std::atof(value.c_str())));
@@ -271,7 +285,7 @@ int main(int argc, char** argv) {
         config.integrator = kind;
         config.mode = mode;
         config.threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 8U));
-        config.capacity = capacity_for_bytes(std::size_t{1024} << 20);
+        config.capacity = capacity_for_bytes(std::size_t{resolution_m < 0.008F ? 6144U : 1024U} << 20);
         for (const std::string& one : what) {
           if (one == "equal") check_equal(config, work);
           if (one == "time") measure(config, work);

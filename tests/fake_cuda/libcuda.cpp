@@ -21,10 +21,11 @@ namespace {
 constexpr int kOutOfMemory = 2;
 constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
-constexpr std::string_view kKernels[] = {"import_blocks_kernel", "scan_image_kernel", "reduce_image_kernel",
-                                         "walk_image_kernel",    "find_work_kernel",  "update_map_kernel",
-                                         "export_blocks_kernel"};
+constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",   "walk_image_kernel",
+                                         "find_work_kernel",      "update_map_1_kernel", "update_map_4_kernel",
+                                         "export_classes_kernel", "export_blocks_kernel"};
 Memory memory_map{};
+FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
 char handles[16];
 
@@ -48,14 +49,18 @@ T argument(void** arguments, int index) {
 void run(std::size_t kernel, const Block& block, void** arguments) {
   const Memory& m = memory_map;
   if (kernel == 0) import_blocks(block, m, argument<Parcels>(arguments, 0), argument<std::uint32_t>(arguments, 1));
-  if (kernel == 1) scan_image(block, m);
-  if (kernel == 2) reduce_image(block, m);
-  if (kernel == 3) walk_image(block, m);
-  if (kernel == 4) find_work(block, m);
-  if (kernel == 5) update_map(block, m);
+  if (kernel == 1) read_image(block, m, frame_params);
+  if (kernel == 2) walk_image(block, m, frame_params);
+  if (kernel == 3) find_work(block, m, frame_params);
+  if (kernel == 4) update_map<1>(block, m, frame_params);
+  if (kernel == 5) update_map<4>(block, m, frame_params);
   if (kernel == 6) {
-    export_blocks(block, m, argument<Parcels>(arguments, 0), argument<FrameCounters*>(arguments, 1),
-                  argument<std::uint32_t>(arguments, 2), argument<std::uint32_t>(arguments, 3));
+    export_classes(block, m, frame_params, argument<Classes>(arguments, 0), argument<FrameCounters*>(arguments, 1),
+                   argument<std::uint32_t>(arguments, 2));
+  }
+  if (kernel == 7) {
+    export_blocks(block, m, argument<Parcels>(arguments, 0), argument<std::uint32_t>(arguments, 1),
+                  argument<std::uint32_t>(arguments, 2));
   }
 }
 
@@ -94,9 +99,10 @@ int cuModuleGetFunction(CuHandle* function, CuHandle, const char* name) {
   return found == std::end(kKernels) ? kNotFound : 0;
 }
 int cuModuleGetGlobal_v2(CuDevicePointer* pointer, std::size_t* bytes, CuHandle, const char* name) {
-  *pointer = reinterpret_cast<CuDevicePointer>(&memory_map);
-  *bytes = sizeof memory_map;
-  return std::string_view(name) == "memory_map" ? 0 : kNotFound;
+  const bool is_map = std::string_view(name) == "memory_map";
+  *pointer = is_map ? reinterpret_cast<CuDevicePointer>(&memory_map) : reinterpret_cast<CuDevicePointer>(&frame_params);
+  *bytes = is_map ? sizeof memory_map : sizeof frame_params;
+  return is_map || std::string_view(name) == "frame_params" ? 0 : kNotFound;
 }
 int cuMemAlloc_v2(CuDevicePointer* pointer, std::size_t bytes) {
   const char* most = std::getenv("FAKE_CUDA_BYTES");
@@ -143,12 +149,14 @@ int cuLaunchKernel(CuHandle function, unsigned blocks, unsigned, unsigned, unsig
   }
   return 0;
 }
+int cuOccupancyMaxActiveBlocksPerMultiprocessor(int* blocks, CuHandle, int, std::size_t) { return *blocks = 3, 0; }
 int cuEventCreate(CuHandle* event, unsigned) {
   *event = handle(3);
   return 0;
 }
 int cuEventRecord(CuHandle, CuHandle) { return 0; }
 int cuStreamWaitEvent(CuHandle, CuHandle, unsigned) { return 0; }
+int cuEventSynchronize(CuHandle) { return 0; }
 int cuEventElapsedTime(float* ms, CuHandle, CuHandle) {
   *ms = 0.0F;
   return 0;

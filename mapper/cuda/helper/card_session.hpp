@@ -15,25 +15,32 @@ class CardSession {
   [[nodiscard]] bool obey();
 
  private:
-  enum Kernel { kImport, kScan, kReduce, kWalk, kFind, kUpdate, kExport, kKernelCount };
+  enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
   [[nodiscard]] bool load_kernels();
   [[nodiscard]] bool make_memory();
-  [[nodiscard]] bool make_graph(CuHandle& graph, bool with_copies);
+  /// What of a frame is launched together.
+  enum class Part { until_colours, from_colours, launches_alone };
+  [[nodiscard]] bool make_graph(CuHandle& graph, Part part);
   [[nodiscard]] bool launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments);
   /// One launch of a frame; nothing where the integrator has none.
   [[nodiscard]] bool launch_step(int kernel);
+  [[nodiscard]] bool launch_classes();
   [[nodiscard]] bool launch_export(std::uint32_t first);
+  [[nodiscard]] bool launch_part(Part part);
+  [[nodiscard]] bool run_part(CuHandle graph, Part part);
+  [[nodiscard]] bool wait_for_colours();
   [[nodiscard]] bool copy_depth();
-  [[nodiscard]] bool copy_colour(CuHandle stream);
-  [[nodiscard]] bool launch_frame(bool with_copies);
+  [[nodiscard]] bool copy_colour();
   [[nodiscard]] bool run_frame();
   [[nodiscard]] bool run_timed();
   [[nodiscard]] bool run_stages();
   [[nodiscard]] bool import_blocks(std::uint32_t count);
   [[nodiscard]] bool send_blocks(std::uint32_t first);
+  [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);
+  [[nodiscard]] bool fetch_classes();
   [[nodiscard]] bool fetch_parcels(std::uint32_t first);
   template <typename T>
   [[nodiscard]] T* shared(std::uint64_t offset) const {
@@ -45,19 +52,23 @@ class CardSession {
   int device_ = 0;
   CuHandle stream_ = nullptr;
   CuHandle kernels_[kKernelCount] = {};
-  CuHandle copy_stream_ = nullptr;
-  CuHandle whole_graph_ = nullptr;   ///< copies and launches
-  CuHandle launch_graph_ = nullptr;  ///< launches alone
+  unsigned at_once_[kKernelCount] = {};  ///< blocks of threads that the card runs side by side
+  CuHandle first_graph_ = nullptr;       ///< a frame up to where it needs colours
+  CuHandle last_graph_ = nullptr;
+  CuHandle launch_graph_ = nullptr;  ///< all launches without copies
   CuHandle events_[kStages + 1] = {};
-  CuHandle begun_ = nullptr;  ///< between the two streams
-  CuHandle colour_there_ = nullptr;
+  CuHandle classes_there_ = nullptr;
   CuDevicePointer memory_symbol_ = 0;
+  CuDevicePointer params_symbol_ = 0;
   CuDevicePointer base_ = 0;
   CuDevicePointer card_counters_ = 0;
   Memory memory_{};
   Parcels parcels_{};  ///< as the card sees them
+  Classes classes_{};
+  bool first_parcels_sent_ = false;
   bool mapped_ = false;
   unsigned processors_ = 1;
+  bool by_four_ = false;  ///< warps for a block of the map, else one
 };
 
 }  // namespace g3d::mapper::cuda

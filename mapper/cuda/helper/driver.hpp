@@ -34,9 +34,11 @@ struct Driver {
   int (*stream_synchronize)(CuHandle);
   int (*launch_kernel)(CuHandle, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, CuHandle, void**,
                        void**);
+  int (*max_active_blocks)(int*, CuHandle, int, std::size_t);
   int (*event_create)(CuHandle*, unsigned);
   int (*event_record)(CuHandle, CuHandle);
   int (*stream_wait_event)(CuHandle, CuHandle, unsigned);
+  int (*event_synchronize)(CuHandle);
   int (*event_elapsed_time)(float*, CuHandle, CuHandle);
   int (*get_error_name)(int, const char**);
   // Not in every driver: launches go out one by one without them

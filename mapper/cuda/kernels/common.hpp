@@ -16,6 +16,12 @@ inline constexpr int kParcelThreads = 128;  ///< per block, in kernels that move
 /// Memory of any type in larger pieces than it was declared.
 using AnyWord [[gnu::may_alias]] = std::uint32_t;
 using AnyHalf [[gnu::may_alias]] = std::uint16_t;
+struct [[gnu::may_alias]] alignas(8) AnyPair {
+  std::uint32_t low, high;
+};
+struct [[gnu::may_alias]] alignas(16) AnyQuad {
+  std::uint32_t words[4];
+};
 
 template <typename T>
 [[nodiscard]] constexpr T least(T a, T b) {
@@ -25,6 +31,7 @@ template <typename T>
 [[nodiscard]] constexpr T most(T a, T b) {
   return a < b ? b : a;
 }
+[[nodiscard]] constexpr bool walks_rays(FreeBy by) { return by == FreeBy::exact_rays || by == FreeBy::thesis_rays; }
 [[nodiscard]] constexpr int tiles(int size, int tile) { return (size + tile - 1) / tile; }
 
 /// 2^15 - 1 + ceil(x), relative to an origin.
@@ -40,13 +47,38 @@ inline G3D_GPU std::uint64_t block_key_at(const FrameParams& f, int bx, int by, 
   return block_of({f.origin[0] + 8 * bx, f.origin[1] + 8 * by, f.origin[2] + 8 * bz});
 }
 
-/// The frame's numbers where a block's threads reach them at once: read together, in one wait.
-inline G3D_GPU void load_params(const Block& block, const Memory& m, FrameParams& params, int threads) {
-  constexpr int kWords = sizeof(FrameParams) / sizeof(std::uint32_t);
+/// How many places the warps of a block want in up to two lists, and where theirs begin.
+struct ListShares {
+  std::uint32_t wanted[2][kPixelThreads / 32];
+  std::uint32_t first[2][kPixelThreads / 32];
+};
+
+/// Places in lists for the threads that want one, side by side: one atomic operation for a block of threads and a list.
+template <int kLists>
+inline G3D_GPU void append(const Block& block, ListShares& s, PerThread<std::uint32_t, kPixelThreads> (&wants)[kLists],
+                           std::uint32_t* const (&counters)[kLists],
+                           PerThread<std::uint32_t, kPixelThreads> (&places)[kLists]) {
   block.each([&](int t) {
-    for (int i = t; i < kWords; i += threads) {
-      reinterpret_cast<AnyWord*>(&params)[i] = reinterpret_cast<const AnyWord*>(&m.input->params)[i];
+#pragma GCC unroll 2
+    for (int list = 0; list < kLists; ++list) {
+      const std::uint32_t lanes = wants[list].ballot(t);
+      places[list][t] = static_cast<std::uint32_t>(__builtin_popcount(lanes & ((1U << (t % 32)) - 1)));
+      if (t % 32 == 0) s.wanted[list][t / 32] = static_cast<std::uint32_t>(__builtin_popcount(lanes));
     }
+  });
+  block.each([&](int t) {
+    if (t % 32 != 0 || t / 32 >= kLists) return;
+    std::uint32_t sum = 0;
+    for (std::uint32_t wanted : s.wanted[t / 32]) sum += wanted;
+    std::uint32_t first = sum != 0 ? atomic_add(t == 0 ? counters[0] : counters[kLists - 1], sum) : 0;
+    for (int warp = 0; warp < kPixelThreads / 32; ++warp) {
+      s.first[t / 32][warp] = first;
+      first += s.wanted[t / 32][warp];
+    }
+  });
+  block.lanes([&](int t) {
+#pragma GCC unroll 2
+    for (int list = 0; list < kLists; ++list) places[list][t] += s.first[list][t / 32];
   });
 }
 

@@ -14,7 +14,8 @@ namespace g3d::mapper::cuda {
 inline constexpr std::uint32_t kNoColour = 0x80000000U;
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFU;
 inline constexpr int kTileColumns = 32;
-inline constexpr int kTileRows = kPixelThreads / kTileColumns;
+inline constexpr int kTileRows = 32;
+inline constexpr int kTileShare = kTileColumns * kTileRows / kPixelThreads;  ///< pixels of a thread, in different rows
 
 /// See cpu/kernels/image_rows.cpp.
 inline G3D_GPU bool is_depth_edge(std::uint32_t d, std::uint32_t n) {
@@ -39,43 +40,63 @@ struct PixelHit {
   std::uint32_t place;     ///< M & 511
 };
 
-inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, int v) {
-  const int d = m.depth[v * f.width_px + u];
-  if (d < f.near_raw || d > f.far_raw || d == 0) return {kNone, 0};
-  const float z = static_cast<float>(d) * f.metres_per_unit;
+inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, int v, int reading) {
+  if (reading < f.near_raw || reading > f.far_raw || reading == 0) return {kNone, 0};
+  const float z = static_cast<float>(reading) * f.metres_per_unit;
   const float column = m.column_slope[u];
   const float row = m.row_slope[v];
-  std::int32_t k[3];
-  for (int axis = 0; axis < 3; ++axis) {
+  std::uint32_t block_id = 0;
+  std::uint32_t place = 0;
+#pragma GCC unroll 1
+  for (int axis = 2; axis >= 0; --axis) {
     const float* R = f.rotation + 3 * axis;
     const float row_part = R[1] * row + R[2];
     const float p_m = (row_part + column * R[0]) * z + f.translation_m[axis];
-    k[axis] = cell_of(p_m / f.resolution_m, f.origin[axis]);
+    const std::int32_t k = cell_of(p_m / f.resolution_m, f.origin[axis]);
     // The box has room for every trusted reading; a damaged frame must not write beside it.
-    if (k[axis] < 0 || k[axis] >= 8 * f.blocks[axis]) return {kNone, 0};
+    if (k < 0 || k >= 8 * f.blocks[axis]) return {kNone, 0};
+    block_id = block_id * static_cast<std::uint32_t>(f.blocks[axis]) + static_cast<std::uint32_t>(k >> 3);
+    place = place << 1 | spread_three(static_cast<std::uint32_t>(k & 7));
   }
-  return {block_id_at(f, k[0] >> 3, k[1] >> 3, k[2] >> 3), place_at(k[0] & 7, k[1] & 7, k[2] & 7)};
+  return {block_id, place};
 }
 
+/// What the pixels of a tile say, with a border that says nothing.
 struct HitTile {
-  std::uint32_t block_id[kTileRows][kTileColumns];
-  std::uint16_t code[kTileRows][kTileColumns];  ///< place << 1 | may give its colour
+  std::uint32_t block_id[kTileRows + 1][kTileColumns + 2];
+  std::uint16_t code[kTileRows + 1][kTileColumns + 2];  ///< place << 1 | may give its colour
+  std::uint32_t found;                                  ///< blocks that nobody had numbered
+  std::uint32_t first_record;
 };
+inline G3D_GPU void clear_border(HitTile& tile, int t) {
+  if (t < kTileColumns + 2) tile.block_id[0][t] = kNone;
+  if (t < kTileRows) tile.block_id[t + 1][0] = kNone;
+  if (t < kTileRows) tile.block_id[t + 1][kTileColumns + 1] = kNone;
+}
 
 /// Is there a pixel with a lower index in the tile, beside or above, that says the same? Then it has said it all.
 inline G3D_GPU bool is_repeat(const HitTile& tile, int x, int y, bool whole_block) {
-  const auto same = [&](int nx, int ny) {
-    return nx >= 0 && nx < kTileColumns && ny >= 0 && tile.block_id[ny][nx] == tile.block_id[y][x] &&
-           (whole_block || tile.code[ny][nx] == tile.code[y][x]);
-  };
-  return same(x - 1, y) || same(x - 1, y - 1) || same(x, y - 1) || same(x + 1, y - 1);
+  const std::uint32_t id = tile.block_id[y + 1][x + 1];
+  const std::uint32_t code = whole_block ? 0U : tile.code[y + 1][x + 1];
+  constexpr int kBeside[4][2] = {{0, 1}, {0, 0}, {1, 0}, {2, 0}};
+  bool found = false;
+#pragma GCC unroll 4
+  for (const auto& n : kBeside) {
+    const std::uint32_t other = whole_block ? 0U : tile.code[y + n[1]][x + n[0]];
+    found |= tile.block_id[y + n[1]][x + n[0]] == id && other == code;
+  }
+  return found;
 }
 
-/// Pixel of a thread of a tile, -1 beside the image.
-inline G3D_GPU int pixel_of(const FrameParams& f, int tile, int t) {
+/// Column and row in its tile of a thread's k-th pixel.
+[[nodiscard]] constexpr int tile_x(int t) { return t % kTileColumns; }
+[[nodiscard]] constexpr int tile_y(int t, int k) { return t / kTileColumns + k * (kTileRows / kTileShare); }
+
+/// The pixel itself, -1 beside the image.
+inline G3D_GPU int pixel_of(const FrameParams& f, int tile, int t, int k) {
   const int across = tiles(f.width_px, kTileColumns);
-  const int u = tile % across * kTileColumns + t % kTileColumns;
-  const int v = tile / across * kTileRows + t / kTileColumns;
+  const int u = tile % across * kTileColumns + tile_x(t);
+  const int v = tile / across * kTileRows + tile_y(t, k);
   return u < f.width_px && v < f.height_px ? v * f.width_px + u : -1;
 }
 
@@ -83,25 +104,66 @@ inline G3D_GPU int pixel_of(const FrameParams& f, int tile, int t) {
 inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
   block.each([&](int t) {
-    const int pixel = pixel_of(f, tile, t);
-    PixelHit hit{kNone, 0};
-    if (pixel >= 0) {
-      hit = unproject(f, m, pixel % f.width_px, pixel / f.width_px);
-      m.pixel_block[pixel] = hit.block_id;
-      m.pixel_place[pixel] = static_cast<std::uint16_t>(hit.place);
+    std::uint16_t readings[kTileShare];
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      const int pixel = pixel_of(f, tile, t, k);
+      readings[k] = pixel >= 0 ? m.depth[pixel] : std::uint16_t{0};
     }
-    s.block_id[t / kTileColumns][t % kTileColumns] = hit.block_id;
+    clear_border(s, t);
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) s.code[tile_y(t, k) + 1][tile_x(t) + 1] = readings[k];
+#pragma GCC unroll 1
+    for (int k = 0; k < kTileShare; ++k) {
+      const int pixel = pixel_of(f, tile, t, k);
+      const int reading = s.code[tile_y(t, k) + 1][tile_x(t) + 1];
+      PixelHit hit{kNone, 0};
+      if (pixel >= 0) {
+        const int u = pixel % f.width_px;
+        const int v = pixel / f.width_px;
+        hit = unproject(f, m, u, v, reading);
+        const bool coloured = hit.block_id != kNone && f.with_colour != 0 && gives_colour(f, m, u, v);
+        m.pixel_block[pixel] = hit.block_id;
+        m.pixel_code[pixel] = static_cast<std::uint16_t>(hit.place << 1 | (coloured ? 1 : 0));
+      }
+      s.block_id[tile_y(t, k) + 1][tile_x(t) + 1] = hit.block_id;
+    }
+  });
+  // All four pixels of a thread at once: each look is a long wait.
+  PerThread<std::uint32_t, kPixelThreads> is_first[kTileShare];
+  block.each([&](int t) {
+    if (t == 0) s.found = 0;
+    std::uint32_t ids[kTileShare];
+    std::uint32_t found[kTileShare];
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      const std::uint32_t id = s.block_id[tile_y(t, k) + 1][tile_x(t) + 1];
+      ids[k] = id == kNone || is_repeat(s, tile_x(t), tile_y(t, k), true) ? kNone : id;
+      found[k] = ids[k] == kNone || *static_cast<volatile std::uint32_t*>(m.record_of_block + ids[k]) != 0 ? 1U : 0U;
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      if (found[k] == 0) found[k] = atomic_cas(m.record_of_block + ids[k], 0U, kNone) + 2;
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) is_first[k][t] = found[k] == 2 ? 1 : 0;
+  });
+  PerThread<std::uint32_t, kPixelThreads> place;  // among the tile's
+  block.each([&](int t) {
+    std::uint32_t count = 0;
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) count += is_first[k][t];
+    place[t] = count != 0 ? atomic_add(&s.found, count) : 0;
   });
   block.each([&](int t) {
-    const int x = t % kTileColumns;
-    const int y = t / kTileColumns;
-    const std::uint32_t id = s.block_id[y][x];
-    if (id == kNone || is_repeat(s, x, y, true)) return;
-    std::uint32_t* entry = m.record_of_block + id;
-    if (*static_cast<volatile std::uint32_t*>(entry) != 0 || atomic_cas(entry, 0U, kNone) != 0) return;
-    const std::uint32_t record = atomic_add(&m.input->counters.records, 1U);
-    m.hit_blocks[record] = id;
-    *entry = record + 1;
+    if (t == 0) s.first_record = s.found != 0 ? atomic_add(&m.input->counters.records, s.found) : 0;
+  });
+  block.each([&](int t) {
+    std::uint32_t record = s.first_record + place[t] + 1;
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      if (is_first[k][t] != 0) m.record_of_block[s.block_id[tile_y(t, k) + 1][tile_x(t) + 1]] = record++;
+    }
   });
 }
 
@@ -109,23 +171,37 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const F
 inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, const FrameParams& f, int tile) {
   G3D_GPU_SHARED HitTile s;
   block.each([&](int t) {
-    const int pixel = pixel_of(f, tile, t);
-    const std::uint32_t id = pixel >= 0 ? m.pixel_block[pixel] : kNone;
-    s.block_id[t / kTileColumns][t % kTileColumns] = id;
-    if (id == kNone) return;
-    const bool coloured = f.with_colour != 0 && gives_colour(f, m, pixel % f.width_px, pixel / f.width_px);
-    s.code[t / kTileColumns][t % kTileColumns] =
-        static_cast<std::uint16_t>(m.pixel_place[pixel] << 1 | (coloured ? 1 : 0));
+    std::uint32_t ids[kTileShare];
+    std::uint16_t codes[kTileShare];
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      const int pixel = pixel_of(f, tile, t, k);
+      ids[k] = pixel >= 0 ? m.pixel_block[pixel] : kNone;
+      codes[k] = pixel >= 0 ? m.pixel_code[pixel] : std::uint16_t{0};
+    }
+    clear_border(s, t);
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      s.block_id[tile_y(t, k) + 1][tile_x(t) + 1] = ids[k];
+      s.code[tile_y(t, k) + 1][tile_x(t) + 1] = codes[k];
+    }
   });
   block.each([&](int t) {
-    const int x = t % kTileColumns;
-    const int y = t / kTileColumns;
-    const std::uint32_t id = s.block_id[y][x];
-    if (id == kNone || is_repeat(s, x, y, false)) return;
-    const std::uint32_t pixel = static_cast<std::uint32_t>(pixel_of(f, tile, t));
-    const std::uint32_t code = s.code[y][x];
-    std::uint32_t* word = m.hits + static_cast<std::size_t>(m.record_of_block[id] - 1) * kVoxels + (code >> 1);
-    atomic_min(word, (code & 1U) != 0 ? pixel : pixel | kNoColour);
+    const int x = tile_x(t);
+    std::uint32_t records[kTileShare];
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      const std::uint32_t id = s.block_id[tile_y(t, k) + 1][x + 1];
+      records[k] = id == kNone || is_repeat(s, x, tile_y(t, k), false) ? 0 : m.record_of_block[id];
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < kTileShare; ++k) {
+      if (records[k] == 0) continue;
+      const std::uint32_t code = s.code[tile_y(t, k) + 1][x + 1];
+      const std::uint32_t pixel = static_cast<std::uint32_t>(pixel_of(f, tile, t, k));
+      std::uint32_t* word = m.hits + static_cast<std::size_t>(records[k] - 1) * kVoxels + (code >> 1);
+      atomic_min(word, (code & 1U) != 0 ? pixel : pixel | kNoColour);
+    }
   });
 }
 

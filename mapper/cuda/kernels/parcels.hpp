@@ -49,6 +49,38 @@ inline G3D_GPU void send_block(const Block& block, const Memory& m, const Parcel
   });
 }
 
+/// What the frame counted, to where the host reads it.
+inline G3D_GPU void send_counters(const Block& block, const Memory& m, const FrameParams& f, FrameCounters* to) {
+  PerThread<std::uint32_t, kParcelThreads> sums[3];
+  PerThread<std::uint32_t, kParcelThreads> next[3];
+  const int count = tiles(f.width_px, 32) * tiles(f.height_px, 32);
+  block.lanes([&](int t) {
+    for (auto& sum : sums) sum[t] = 0;
+    if (t >= 32) return;
+    for (int tile = t; tile < count; tile += 32) {
+      for (int k = 0; k < 3; ++k) sums[k][t] += m.tile_kinds[4 * tile + k];
+    }
+  });
+#pragma GCC unroll 1
+  for (int bits = 1; bits < 32; bits *= 2) {
+    block.lanes([&](int t) {
+      for (int k = 0; k < 3; ++k) next[k][t] = sums[k][t] + sums[k].peer(t, bits);
+    });
+    block.lanes([&](int t) {
+      for (int k = 0; k < 3; ++k) sums[k][t] = next[k][t];
+    });
+  }
+  block.each([&](int t) {
+    if (t != 0) return;
+    FrameCounters counters = m.input->counters;
+    counters.valid = sums[0][t];
+    counters.too_near = sums[1][t];
+    counters.far = sums[2][t];
+    counters.refused_imports = m.state->refused_imports;
+    *to = counters;
+  });
+}
+
 struct ImportState {
   std::uint32_t plane;
   std::uint32_t bricks[kBricks];
@@ -67,7 +99,7 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
       return;
     }
     std::uint32_t slot = find_block(m, head.key);
-    if (slot == kNone) slot = insert_block(m, head.key);
+    if (slot == kNone) slot = insert_block(m, head.key, index);
     MapState& map = *m.state;
     bool complete = slot != kNone;
     if (complete) {
@@ -76,7 +108,7 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
         give_back(map.planes, m.returned_planes, to.plane);
         to.plane = kNone;
       } else if (head.plane != kNone && to.plane == kNone) {
-        to.plane = take(map.planes, m.free_planes);
+        to.plane = take(map.planes, m.free_planes, index);
         complete = to.plane != kNone;
       }
       to.uniform_level = head.uniform_level;
@@ -84,7 +116,7 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
       for (int b = 0; b < kBricks; ++b) {
         const bool wanted = (head.bricks >> b & 1) != 0;
         if (wanted && to.bricks[b] == kNone) {
-          to.bricks[b] = take(map.bricks, m.free_bricks);
+          to.bricks[b] = take(map.bricks, m.free_bricks, index);
           complete &= to.bricks[b] != kNone;
         } else if (!wanted && to.bricks[b] != kNone) {
           give_back(map.bricks, m.returned_bricks, to.bricks[b]);

@@ -2,7 +2,6 @@
 // Is a voxel seen through? cpu::Projective, one voxel at a time.
 #pragma once
 
-#include "mapper/cuda/kernels/reduce.hpp"
 #include "mapper/cuda/kernels/visible.hpp"
 
 namespace g3d::mapper::cuda {
@@ -17,8 +16,8 @@ struct Window {
   std::int32_t shift;  ///< between the looks, 0: one is enough
 };
 
-/// For voxels around a depth; see cpu::FootprintImages::choose.
-inline G3D_GPU Window choose_window(const FrameParams& f, const Memory& m, float z_units) {
+/// Which windows voxels around a depth need: level | cells << 3; see cpu::FootprintImages::choose.
+inline G3D_GPU std::uint32_t choose_window(const FrameParams& f, float z_units) {
   const float z_m = most(z_units, f.min_z_units) * f.metres_per_unit;
   float cells = f.window_px_m / z_m;
   int level = 0;
@@ -28,12 +27,16 @@ inline G3D_GPU Window choose_window(const FrameParams& f, const Memory& m, float
   }
   const int smallest = level == 0 ? least(f.smallest_window, kLargestWindow) : 4;
   const int halves = static_cast<int>(2.0F * cells + 1.0F);  // the nearest whole number is half of it
+  return static_cast<std::uint32_t>(level | least(most(halves / 2, smallest), kLargestWindow) << 3);
+}
+
+inline G3D_GPU Window window_of(const FrameParams& f, const Memory& m, std::uint32_t choice) {
   Window window;
-  window.level = level;
-  window.cells = least(most(halves / 2, smallest), kLargestWindow);
-  window.place = f.windows[level][window.cells];
-  window.image = window.cells >= 4 ? m.four[level] : window.cells >= 2 ? m.two : m.ends[0];
-  window.stride = f.shapes[level].stride;
+  window.level = static_cast<std::int32_t>(choice & 7U);
+  window.cells = static_cast<std::int32_t>(choice >> 3);
+  window.place = f.windows[window.level][window.cells];
+  window.image = window.cells >= 4 ? m.four[window.level] : window.cells >= 2 ? m.two : m.ends[0];
+  window.stride = f.shapes[window.level].stride;
   window.shift = window.cells >= 4 ? window.cells - 4 : window.cells >= 2 ? window.cells - 2 : 0;
   return window;
 }
@@ -56,20 +59,28 @@ inline G3D_GPU ProjectedBlock project_block(const FrameParams& f, const Corner& 
   return {f.fx_px * corner.x_m, f.fy_px * corner.y_m, f.units_per_metre * corner.z_m};
 }
 
+/// A voxel's place from its block's first one; see cpu::ProjectionTables.
+struct VoxelOffset {
+  float x_px_m;
+  float y_px_m;
+  float z_units;
+};
+
 /// How far a ray must reach to show that a voxel at this depth is free.
 inline G3D_GPU float needed_units(const FrameParams& f, float z_units) {
   const float beyond = z_units + f.bias_units;
   return z_units + f.far_bias_units <= f.far_units ? least(beyond, f.far_units) : beyond;
 }
 
-inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
-                                    const Window& window, bool at_border, int place) {
+inline G3D_GPU bool is_seen_through(const FrameParams& f, const ProjectedBlock& block, const Window& window,
+                                    bool at_border, const VoxelOffset& voxel) {
   const WindowPlace& w = window.place;
-  const float z_units = block.z_units + m.input->tables.places.z_units[place];
+  const float z_units = block.z_units + voxel.z_units;
   if (z_units < f.min_z_units) return false;
-  const float inverse = w.cells_per_px / (most(z_units, f.min_z_units) * f.metres_per_unit);
-  const float x_px_m = block.x_px_m + m.input->tables.places.x_px_m[place];
-  const float y_px_m = block.y_px_m + m.input->tables.places.y_px_m[place];
+  // cells_per_px is a power of two, so that the order of operations is of no account; see cpu::Projective.
+  const float inverse = 1.0F / (z_units * f.metres_per_unit) * w.cells_per_px;
+  const float x_px_m = block.x_px_m + voxel.x_px_m;
+  const float y_px_m = block.y_px_m + voxel.y_px_m;
   const float x = least(most(x_px_m * inverse + w.shift_x, w.first), w.last_x);
   const float y = least(most(y_px_m * inverse + w.shift_y, w.first), w.last_y);
   const std::uint32_t end = window_maximum(window, static_cast<int>(x), static_cast<int>(y));
@@ -82,13 +93,13 @@ inline G3D_GPU bool is_seen_through(const FrameParams& f, const Memory& m, const
 
 /// Is the voxel free by measured rays alone? Asked for occupied voxels that only a ray without a reading seems to pass.
 inline G3D_GPU bool is_strongly_free(const FrameParams& f, const Memory& m, const ProjectedBlock& block,
-                                     const Window& window, int place) {
+                                     const Window& window, const VoxelOffset& voxel) {
   const WindowPlace& w = window.place;
-  const float z_units = block.z_units + m.input->tables.places.z_units[place];
+  const float z_units = block.z_units + voxel.z_units;
   if (z_units < f.min_z_units) return false;
-  const float inverse = w.cells_per_px / (z_units * f.metres_per_unit);
-  const float x = (block.x_px_m + m.input->tables.places.x_px_m[place]) * inverse + w.shift_x;
-  const float y = (block.y_px_m + m.input->tables.places.y_px_m[place]) * inverse + w.shift_y;
+  const float inverse = 1.0F / (z_units * f.metres_per_unit) * w.cells_per_px;
+  const float x = (block.x_px_m + voxel.x_px_m) * inverse + w.shift_x;
+  const float y = (block.y_px_m + voxel.y_px_m) * inverse + w.shift_y;
   const int x0 = static_cast<int>(least(most(x, w.first), w.last_x)) - kPadding;
   const int y0 = static_cast<int>(least(most(y, w.first), w.last_y)) - kPadding;
   const ImageShape& shape = f.shapes[window.level];

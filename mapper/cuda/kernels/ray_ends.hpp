@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where rays end (cpu::RayEnds says by which rule). Bounds of missing readings along rows and columns are found side by
-// side from the depth image; a later launch joins them (reduce.hpp).
+// Where rays end (cpu::RayEnds says by which rule), tile by tile: 32 x 32 pixels to a block of threads, four neighbours
+// to a thread. Missing readings are bounded by what the tile holds, which bit masks of its rows and columns tell at
+// once; where a run goes on beyond the tile, one thread walks on along it. Kernels are kept short: a card executes most
+// of this once per frame, and waits for code as it does for data.
 #pragma once
 
 #include "mapper/cuda/kernels/common.hpp"
@@ -8,167 +10,177 @@
 namespace g3d::mapper::cuda {
 
 inline constexpr std::uint32_t kUnbounded = 0xFFFF;  ///< no reading bounds the run on that side
+inline constexpr int kTile_px = 32;
+inline constexpr int kTileStride = kTile_px + 2;  ///< so that the rows of a column lie in 32 banks of shared memory
+inline constexpr int kFewLooks = 4;               ///< together: one wait instead of many
+inline constexpr int kManyLooks = 16;             ///< of each lane
+inline constexpr int kRun_px = 4;                 ///< of a thread
 
-struct RowScan {
-  std::uint8_t readings[kPixelThreads];  ///< bit k of byte t: the thread's pixel k has a reading
-  std::uint32_t counts[4];
+/// What is known of the ray ends in one cell, as two words that threads of a warp can tell each other.
+struct CellEnds {
+  std::uint32_t ends;    ///< lowest | highest << 16
+  std::uint32_t strong;  ///< farthest of measured rays
 };
 
-/// Reading nearest to the left of a thread's eight pixels, kUnbounded if there is none; and to their right.
-inline G3D_GPU std::uint32_t left_of(const std::uint8_t* readings, const std::uint16_t* depth, int byte) {
-  std::uint32_t bits = 0;
-  while (bits == 0 && byte > 0) bits = readings[--byte];
-  return bits == 0 ? kUnbounded : depth[8 * byte + 31 - __builtin_clz(bits)];
-}
-inline G3D_GPU std::uint32_t right_of(const std::uint8_t* readings, const std::uint16_t* depth, int byte, int bytes) {
-  std::uint32_t bits = 0;
-  while (bits == 0 && byte + 1 < bytes) bits = readings[++byte];
-  return bits == 0 ? kUnbounded : depth[8 * byte + __builtin_ctz(bits)];
-}
-
-/// Rows that one block of threads scans together, eight pixels to a thread.
-[[nodiscard]] constexpr int rows_per_scan(int width_px) { return kPixelThreads / tiles(width_px, 8); }
-
-/// Some rows: ends of their readings, row bounds of the pixels without one, counts.
-inline G3D_GPU void scan_rows(const Block& block, const Memory& m, const FrameParams& f, int task) {
-  G3D_GPU_SHARED RowScan scan;
-  const int width = f.width_px;
-  const int bytes = tiles(width, 8);
-  const int rows = rows_per_scan(width);
-  const auto row_of = [&](int t) { return t / bytes < rows ? task * rows + t / bytes : f.height_px; };
-  block.each([&](int t) {
-    if (t < 4) scan.counts[t] = 0;
-    const int v = row_of(t);
-    if (v >= f.height_px) return;
-    const int first = 8 * (t % bytes);
-    const std::uint16_t* depth = m.depth + v * width + first;
-    std::uint16_t* ends = m.ends[0] + (v + kPadding) * f.shapes[0].stride + kPadding + first;
-    std::uint32_t bits = 0;
-    for (int k = 0; k < 8 && first + k < width; ++k) {
-      const int d = depth[k];
-      bits |= d != 0 ? 1U << k : 0U;
-      ends[k] = static_cast<std::uint16_t>(d >= f.near_raw ? least(d, f.far_raw) : 0);
-    }
-    scan.readings[t] = static_cast<std::uint8_t>(bits);
-  });
-  block.each([&](int t) {
-    const int v = row_of(t);
-    if (v >= f.height_px) return;
-    const int first = 8 * (t % bytes);
-    const std::uint16_t* depth = m.depth + v * width;
-    const std::uint8_t* readings = scan.readings + t / bytes * bytes;
-    std::uint32_t counts[4] = {};
-    std::uint32_t readings_here[8];
-#pragma GCC unroll 8
-    for (int k = 0; k < 8; ++k) {
-      const int d = first + k < width ? depth[first + k] : 0;
-      readings_here[k] = static_cast<std::uint32_t>(d);
-      counts[0] += d != 0 && d >= f.near_raw && d <= f.far_raw ? 1 : 0;
-      counts[1] += d != 0 && d < f.near_raw ? 1 : 0;
-      counts[2] += d != 0 && d >= f.near_raw && d > f.far_raw ? 1 : 0;
-      counts[3] += d == 0 && first + k < width ? 1 : 0;
-    }
-    if (counts[3] != 0) {
-      std::uint16_t* ends = m.ends[0] + (v + kPadding) * f.shapes[0].stride + kPadding + first;
-      std::uint32_t left[8];
-      std::uint32_t bound = left_of(readings, depth, t % bytes);
-#pragma GCC unroll 8
-      for (int k = 0; k < 8; ++k) {
-        left[k] = bound;
-        bound = readings_here[k] != 0 ? readings_here[k] : bound;
-      }
-      bound = right_of(readings, depth, t % bytes, bytes);
-#pragma GCC unroll 8
-      for (int k = 7; k >= 0; --k) {
-        if (readings_here[k] == 0 && first + k < width) ends[k] = static_cast<std::uint16_t>(least(left[k], bound));
-        bound = readings_here[k] != 0 ? readings_here[k] : bound;
-      }
-    }
-    for (int c = 0; c < 4; ++c) {
-      if (counts[c] != 0) atomic_add(&scan.counts[c], counts[c]);
-    }
-  });
-  block.each([&](int t) {
-    FrameCounters& c = m.input->counters;
-    std::uint32_t* const totals[4] = {&c.valid, &c.too_near, &c.far, &c.invalid};
-    if (t < 4 && scan.counts[t] != 0) atomic_add(totals[t], scan.counts[t]);
-  });
-}
-
-inline constexpr int kStripColumns = 8;
-inline constexpr int kStripSegments = kPixelThreads / kStripColumns;
-inline constexpr int kBatchRows = 8;  ///< read together: one wait instead of eight
-
-struct ColumnScan {
-  std::uint16_t first[kStripSegments][kStripColumns];  ///< reading of the segment; 0: it has none
-  std::uint16_t last[kStripSegments][kStripColumns];
+struct alignas(16) EndTile {
+  std::uint16_t raw[kTile_px][kTileStride];  ///< readings; where there is none, in the end its bound
+  std::uint32_t row_bits[kTile_px];          ///< bit x: has a reading
+  std::uint32_t column_bits[kTile_px];
+  std::uint16_t outside[4][kTile_px];    ///< first reading left of each row, right of it, above each column, below it
+  CellEnds cells[8][8];                  ///< of 4 x 4 pixels
+  std::uint8_t long_runs[4 * kTile_px];  ///< ends of lines that nothing bounds nearby
+  std::uint32_t long_run_count;
+  std::uint32_t kinds[kPixelThreads / 32];  ///< see kind_of()
 };
 
-/// visit(v, reading) for rows begin..end of a column, downwards or upwards.
-template <bool kDown, typename Visit>
-inline G3D_GPU void for_column(const Memory& m, const FrameParams& f, int u, int begin, int end, Visit&& visit) {
-  for (int done = 0; done < end - begin; done += kBatchRows) {
-    std::uint32_t batch[kBatchRows];
-#pragma GCC unroll 8
-    for (int i = 0; i < kBatchRows; ++i) {
-      const int step = least(done + i, end - begin - 1);
-      batch[i] = m.depth[(kDown ? begin + step : end - 1 - step) * f.width_px + u];
+/// Where a tile and a thread's run in it begin.
+struct RunPlace {
+  int first_u, first_v;  ///< of the tile
+  int x, y;              ///< of the run in it
+};
+inline G3D_GPU RunPlace run_of(const FrameParams& f, int tile, int t) {
+  const int across = tiles(f.width_px, kTile_px);
+  return {tile % across * kTile_px, tile / across * kTile_px, t % 8 * kRun_px, t / 8};
+}
+
+/// Four neighbours of an image without padding from column u on, 0 beside it: two to a word.
+inline G3D_GPU AnyPair read_four(const FrameParams& f, const std::uint16_t* image, int u, int v) {
+  if (v >= f.height_px || u >= f.width_px) return {0, 0};
+  const std::uint16_t* from = image + v * f.width_px + u;
+  if (f.width_px % kRun_px == 0) return *reinterpret_cast<const AnyPair*>(from);
+  std::uint32_t words[2] = {0, 0};
+  for (int i = 0; i < kRun_px; ++i) {
+    if (u + i < f.width_px) (i < 2 ? words[0] : words[1]) |= static_cast<std::uint32_t>(from[i]) << (16 * (i % 2));
+  }
+  return {words[0], words[1]};
+}
+[[nodiscard]] constexpr std::uint32_t half_of(const AnyPair& four, int i) {
+  return (i < 2 ? four.low : four.high) >> (16 * (i % 2)) & 0xFFFFU;
+}
+
+/// Where a line of the tile goes on beyond one of its ends.
+struct Outside {
+  int first;  ///< pixel
+  int left;   ///< pixels up to the image's border
+  int step;   ///< from one to the next
+};
+
+/// Of end t / 32 (left, right, upper, lower) of row or column t % 32. Nothing is left where the run ends in the tile.
+inline G3D_GPU Outside beyond(const FrameParams& f, const EndTile& s, const RunPlace& place, int t) {
+  const int side = t / kTile_px;
+  const int line = t % kTile_px;
+  const bool is_row = side < 2;
+  const bool goes_up = side % 2 != 0;  // to larger columns or rows
+  const int last_x = least(kTile_px, f.width_px - place.first_u) - 1;
+  const int last_y = least(kTile_px, f.height_px - place.first_v) - 1;
+  const int end = goes_up ? (is_row ? last_x : last_y) : 0;
+  const int x = is_row ? end : line;
+  const int y = is_row ? line : end;
+  if (x > last_x || y > last_y || s.raw[y][x] != 0) return {0, 0, 0};
+  const int step = goes_up ? 1 : -1;
+  const int u = place.first_u + x + (is_row ? step : 0);
+  const int v = place.first_v + y + (is_row ? 0 : step);
+  const int position = is_row ? u : v;
+  return {v * f.width_px + u, goes_up ? (is_row ? f.width_px : f.height_px) - position : position + 1,
+          is_row ? step : step * f.width_px};
+}
+
+/// Thread t of 128 looks a little beyond one end of one line. Most runs are short; others are left to whole warps.
+inline G3D_GPU void look_outside(const FrameParams& f, const Memory& m, EndTile& s, const RunPlace& place, int t) {
+  const Outside o = beyond(f, s, place, t);
+  std::uint32_t found = 0;
+  if (o.left > 0) {
+    std::uint32_t batch[kFewLooks];
+#pragma GCC unroll 4
+    for (int i = 0; i < kFewLooks; ++i) batch[i] = m.depth[o.first + least(i, o.left - 1) * o.step];
+#pragma GCC unroll 4
+    for (int i = 0; i < kFewLooks; ++i) found = found == 0 ? batch[i] : found;
+    if (found == 0 && o.left > kFewLooks) s.long_runs[atomic_add(&s.long_run_count, 1U)] = static_cast<std::uint8_t>(t);
+  }
+  s.outside[t / kTile_px][t % kTile_px] = static_cast<std::uint16_t>(found != 0 ? found : kUnbounded);
+}
+
+/// A warp looks far beyond: 512 pixels in one wait.
+inline G3D_GPU void look_far(const Team<1>& warp, const FrameParams& f, const Memory& m, EndTile& s, int tile,
+                             int run) {
+  const int t = s.long_runs[run];
+  const Outside o = beyond(f, s, run_of(f, tile, t), t);
+  PerThread<std::uint32_t, 32> best[2];  // distance << 16 | reading
+  for (int done = kFewLooks; done < o.left; done += 32 * kManyLooks) {
+    warp.lanes([&](int lane) {
+      std::uint32_t batch[kManyLooks];
+#pragma GCC unroll 16
+      for (int i = 0; i < kManyLooks; ++i) {
+        batch[i] = m.depth[o.first + least(done + 32 * i + lane, o.left - 1) * o.step];
+      }
+      best[0][lane] = 0xFFFFFFFFU;
+#pragma GCC unroll 16
+      for (int i = kManyLooks - 1; i >= 0; --i) {
+        const std::uint32_t distance = static_cast<std::uint32_t>(done + 32 * i + lane);
+        if (batch[i] != 0) best[0][lane] = distance << 16 | batch[i];
+      }
+    });
+#pragma GCC unroll 5
+    for (int i = 0; i < 5; ++i) {
+      warp.lanes([&](int lane) { best[(i + 1) % 2][lane] = least(best[i % 2][lane], best[i % 2].peer(lane, 1 << i)); });
     }
-#pragma GCC unroll 8
-    for (int i = 0; i < kBatchRows; ++i) {
-      if (done + i < end - begin) visit(kDown ? begin + done + i : end - 1 - done - i, batch[i]);
-    }
+    if (best[1][0] == 0xFFFFFFFFU) continue;
+    warp.lanes([&](int lane) {
+      if (lane == 0) s.outside[t / kTile_px][t % kTile_px] = static_cast<std::uint16_t>(best[1][lane] & 0xFFFFU);
+    });
+    return;
   }
 }
 
-/// Some columns, cut into segments: column bounds of their pixels without a reading.
-inline G3D_GPU void scan_columns(const Block& block, const Memory& m, const FrameParams& f, int strip) {
-  G3D_GPU_SHARED ColumnScan scan;
-  const int rows = tiles(f.height_px, kStripSegments);
-  PerThread<std::uint32_t, kPixelThreads> blind;
-  block.each([&](int t) {
-    const int c = t % kStripColumns;
-    const int s = t / kStripColumns;
-    const int u = strip * kStripColumns + c;
-    std::uint32_t first = 0;
-    std::uint32_t last = 0;
-    std::uint32_t missing = 0;
-    if (u < f.width_px) {
-      for_column<true>(m, f, u, s * rows, least(f.height_px, (s + 1) * rows), [&](int, std::uint32_t d) {
-        first = first == 0 ? d : first;
-        last = d != 0 ? d : last;
-        missing += d == 0 ? 1 : 0;
-      });
-    }
-    scan.first[s][c] = static_cast<std::uint16_t>(first);
-    scan.last[s][c] = static_cast<std::uint16_t>(last);
-    blind[t] = missing;
-  });
-  block.each([&](int t) {
-    if (blind[t] == 0) return;
-    const int c = t % kStripColumns;
-    const int s = t / kStripColumns;
-    const int u = strip * kStripColumns + c;
-    const int begin = s * rows;
-    const int end = least(f.height_px, (s + 1) * rows);
-    std::uint32_t bound = kUnbounded;
-    for (int q = s - 1; q >= 0 && bound == kUnbounded; --q) {
-      if (scan.last[q][c] != 0) bound = scan.last[q][c];
-    }
-    for_column<true>(m, f, u, begin, end, [&](int v, std::uint32_t d) {
-      if (d == 0) m.column_bound[v * f.width_px + u] = static_cast<std::uint16_t>(bound);
-      bound = d != 0 ? d : bound;
-    });
-    bound = kUnbounded;
-    for (int q = s + 1; q < kStripSegments && bound == kUnbounded; ++q) {
-      if (scan.first[q][c] != 0) bound = scan.first[q][c];
-    }
-    for_column<false>(m, f, u, begin, end, [&](int v, std::uint32_t d) {
-      std::uint16_t& stored = m.column_bound[v * f.width_px + u];
-      if (d == 0 && bound < stored) stored = static_cast<std::uint16_t>(bound);
-      bound = d != 0 ? d : bound;
-    });
-  });
+/// Nearest reading on one side of place `at` of a line of the tile: its place, -1 if the tile has none there.
+[[nodiscard]] constexpr int before(std::uint32_t bits, int at) {
+  const std::uint32_t lower = bits & ((1U << at) - 1);
+  return lower == 0 ? -1 : 31 - __builtin_clz(lower);
+}
+[[nodiscard]] constexpr int behind(std::uint32_t bits, int at) {
+  const std::uint32_t higher = bits >> at >> 1;
+  return higher == 0 ? -1 : at + 1 + __builtin_ctz(higher);
+}
+
+/// Bounds of a thread's pixels without a reading, the nearest of four. They go where no other thread looks.
+inline G3D_GPU void bound_run(const FrameParams& f, EndTile& s, const RunPlace& place) {
+  const int y = place.y;
+  const std::uint32_t in_row = s.row_bits[y];
+  const int count = least(kRun_px, f.width_px - place.first_u - place.x);
+  if (count <= 0 || place.first_v + y >= f.height_px) return;
+  std::uint32_t blind = ~in_row & ((1U << count) - 1) << place.x;
+#pragma GCC unroll 1
+  for (; blind != 0; blind &= blind - 1) {
+    const int x = __builtin_ctz(blind);
+    const std::uint32_t in_column = s.column_bits[x];
+    const int left = before(in_row, x);
+    const int right = behind(in_row, x);
+    const int above = before(in_column, y);
+    const int below = behind(in_column, y);
+    const std::uint32_t beside =
+        least(left < 0 ? s.outside[0][y] : s.raw[y][left], right < 0 ? s.outside[1][y] : s.raw[y][right]);
+    const std::uint32_t upright =
+        least(above < 0 ? s.outside[2][x] : s.raw[above][x], below < 0 ? s.outside[3][x] : s.raw[below][x]);
+    s.raw[y][x] = static_cast<std::uint16_t>(least(beside, upright));
+  }
+}
+
+/// The end of a pixel without a reading: a weak one.
+inline G3D_GPU std::uint32_t weak_end(const FrameParams& f, std::uint32_t nearest, std::uint32_t mask) {
+  const bool carves =
+      f.carve_invalid != 0 && nearest != kUnbounded && nearest >= static_cast<std::uint32_t>(f.near_raw);
+  return carves ? least(mask, nearest) : 0U;
+}
+
+/// Of a measured one.
+inline G3D_GPU std::uint32_t strong_end(const FrameParams& f, std::uint32_t reading) {
+  return reading >= static_cast<std::uint32_t>(f.near_raw) ? least(reading, static_cast<std::uint32_t>(f.far_raw)) : 0U;
+}
+
+/// How many readings there are of each kind among up to a thousand: trusted, too near, too far.
+[[nodiscard]] constexpr std::uint32_t kind_of(const FrameParams& f, int reading) {
+  if (reading == 0) return 0;
+  return reading < f.near_raw ? 1U << 10 : reading > f.far_raw ? 1U << 20 : 1U;
 }
 
 }  // namespace g3d::mapper::cuda

@@ -3,7 +3,7 @@
 // by operation.
 #pragma once
 
-#include "mapper/cuda/kernels/common.hpp"
+#include "mapper/cuda/kernels/reduce.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -66,45 +66,77 @@ inline G3D_GPU BoxBound bound_box(const cpu::BoxView& b, float x_m, float y_m, f
   return out;
 }
 
-struct EndRange {
-  std::uint32_t min;
-  std::uint32_t max;
+/// Levels of the pyramid whose cells are larger than a tile: few, so that each block of threads makes its own.
+struct TopLevels {
+  static constexpr int kMostCells = 32 * 32 + 16 * 16 + 8 * 8 + 4 * 4;  ///< of an image of 2048 x 2048 pixels
+  std::uint32_t cells[kMostCells];
 };
+[[nodiscard]] constexpr int cells_along(int size_px, int level) {
+  return (size_px + (1 << (kBaseLevel + level)) - 1) >> (kBaseLevel + level);
+}
 
-/// Bounds of all ends in columns u0..u1 and rows v0..v1; see cpu::DepthPyramid. Cells above the last level that is kept
-/// are gathered from their parts: the same numbers.
-inline G3D_GPU EndRange end_range(const FrameParams& f, const Memory& m, int u0, int v0, int u1, int v1) {
+inline G3D_GPU void make_top(const Block& block, const Memory& m, const FrameParams& f, TopLevels& top) {
+  const std::uint32_t* below = m.pyramid[kPyramidLevels - 1];
+  std::uint32_t* cells = top.cells;
+#pragma GCC unroll 1
+  for (int level = kPyramidLevels; level < f.pyramid_levels; ++level) {
+    const int width = cells_along(f.width_px, level);
+    const int count = width * cells_along(f.height_px, level);
+    const int last_x = cells_along(f.width_px, level - 1) - 1;
+    const int last_y = cells_along(f.height_px, level - 1) - 1;
+    block.each([&](int t) {
+      for (int cell = t; cell < count; cell += kPixelThreads) {
+        const int x = 2 * (cell % width);
+        const int y = 2 * (cell / width);
+        const std::uint32_t* upper = below + y * (last_x + 1);
+        const std::uint32_t* lower = below + least(y + 1, last_y) * (last_x + 1);
+        cells[cell] = join_ends(join_ends(upper[x], upper[least(x + 1, last_x)]),
+                                join_ends(lower[x], lower[least(x + 1, last_x)]));
+      }
+    });
+    below = cells;
+    cells += count;
+  }
+}
+
+/// Cells of one level of the pyramid that cover some columns and rows; see cpu::DepthPyramid.
+struct CellRange {
+  const std::uint32_t* cells;
+  std::int32_t width;  ///< of the level
+  std::int32_t x0, y0, x1, y1;
+};
+inline G3D_GPU CellRange cells_of(const FrameParams& f, const Memory& m, const TopLevels& top, int u0, int v0, int u1,
+                                  int v1) {
   const int extent = most(u1 - u0, v1 - v0);
   int l = 0;
   while ((extent >> (kBaseLevel + l)) >= 3 && l + 1 < f.pyramid_levels) ++l;
-  const int kept = least(l, kPyramidLevels - 1);
-  const ImageShape& shape = f.shapes[kBaseLevel + kept];
-  const std::uint32_t* cells = m.pyramid[kept];
+  const std::uint32_t* cells = top.cells;
+  if (l < kPyramidLevels) {
+    cells = m.pyramid[l];
+  } else {
+    for (int i = kPyramidLevels; i < l; ++i) cells += cells_along(f.width_px, i) * cells_along(f.height_px, i);
+  }
   const int shift = kBaseLevel + l;
-  const int parts = l - kept;
-  const int x0 = (u0 >> shift) << parts;
-  const int y0 = (v0 >> shift) << parts;
-  const int x1 = least((((u1 >> shift) + 1) << parts) - 1, shape.width - 1);
-  const int y1 = least((((v1 >> shift) + 1) << parts) - 1, shape.height - 1);
-  EndRange range{0xFFFFU, 0U};
-  if (parts == 0) {
-    // At most 4 x 4 cells: sixteen looks at once, some of them at the same cell, cost less than a loop of waits.
+  return {cells, cells_along(f.width_px, l), u0 >> shift, v0 >> shift, u1 >> shift, v1 >> shift};
+}
+
+/// Lowest and highest end of one thread's share of the cells, when kSharers threads share them: rows, four cells at
+/// once.
+template <int kSharers>
+inline G3D_GPU std::uint32_t gather_ends(const CellRange& r, int sharer) {
+  std::uint32_t ends = pack_ends(kNoLow, 0);
+  constexpr int kRowsAtOnce = kSharers < 4 ? 4 : 1;
+#pragma GCC unroll 1
+  for (int y = r.y0 + sharer; y <= r.y1; y += kSharers * kRowsAtOnce) {
+#pragma GCC unroll 1
+    for (int x = r.x0; x <= r.x1; x += 4) {
 #pragma GCC unroll 16
-    for (int i = 0; i < 16; ++i) {
-      const std::uint32_t cell = cells[least(y0 + i / 4, y1) * shape.width + least(x0 + i % 4, x1)];
-      range.min = least(range.min, cell & 0xFFFFU);
-      range.max = most(range.max, cell >> 16);
-    }
-    return range;
-  }
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const std::uint32_t cell = cells[y * shape.width + x];
-      range.min = least(range.min, cell & 0xFFFFU);
-      range.max = most(range.max, cell >> 16);
+      for (int i = 0; i < 4 * kRowsAtOnce; ++i) {
+        ends = join_ends(ends, r.cells[least(y + i / 4 * kSharers, r.y1) * r.width + least(x + i % 4, r.x1)]);
+      }
     }
   }
-  return range;
+  return ends;
 }
 
 /// What is known of the rays that pass a box.
@@ -118,49 +150,82 @@ inline G3D_GPU float behind_m(const FrameParams& f, float z_m, float half_z_m) {
   return z_m + half_z_m + most(f.bias_m, 0.0F) + f.metres_per_unit;
 }
 
-inline G3D_GPU View decide(const FrameParams& f, const Memory& m, const cpu::BoxView& view, bool is_block, float x_m,
-                           float y_m, float z_m, RayBounds& rays) {
-  const BoxBound box = bound_box(view, x_m, y_m, z_m);
+/// Ends within what a box covers, as far as they are of account: of all its windows, and of its voxels' own pixels.
+template <int kSharers>
+inline G3D_GPU void gather_box(const FrameParams& f, const Memory& m, const TopLevels& top, const BoxBound& box,
+                               int sharer, std::uint32_t& ends, std::uint32_t& own) {
+  ends = pack_ends(kNoLow, 0);
+  own = pack_ends(kNoLow, 0);
+  if (box.hidden) return;
+  const CellRange all = cells_of(f, m, top, box.u0, box.v0, box.u1, box.v1);
+  const CellRange inner =
+      box.inside ? cells_of(f, m, top, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1) : all;
+  ends = gather_ends<kSharers>(all, sharer);
+  if (box.inside) own = gather_ends<kSharers>(inner, sharer);
+}
+
+/// What follows for a box from gather_box(), all shares joined.
+inline G3D_GPU View conclude(const FrameParams& f, const cpu::BoxView& view, bool is_block, const BoxBound& box,
+                             std::uint32_t ends, std::uint32_t own, float z_m, RayBounds& rays) {
   if (box.hidden) return View::hidden;
-  const EndRange ends = end_range(f, m, box.u0, box.v0, box.u1, box.v1);
-  rays.farthest_m = static_cast<float>(ends.max) * f.metres_per_unit;
-  if (ends.max == 0 || rays.farthest_m < z_m - view.half_z_m) return View::hidden;
+  rays.farthest_m = static_cast<float>(ends >> 16) * f.metres_per_unit;
+  if (ends >> 16 == 0 || rays.farthest_m < z_m - view.half_z_m) return View::hidden;
   if (!box.inside) return box.clear && f.window_px_m > 0.0F ? View::look : View::look_at_border;
   const float behind = behind_m(f, z_m, view.half_z_m);
   if (rays.farthest_m <= behind && !is_block) return View::look;
-  const EndRange own = end_range(f, m, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1);
-  rays.nearest_m = static_cast<float>(own.min) * f.metres_per_unit;
+  rays.nearest_m = static_cast<float>(own & 0xFFFFU) * f.metres_per_unit;
   return rays.nearest_m > behind ? View::all_free : View::look;
 }
 
-/// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks.
-inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const Corner& corner, const RayBounds& block,
-                                 int brick) {
-  const float x_m = corner.x_m + f.brick_middle_m[0][brick];
-  const float y_m = corner.y_m + f.brick_middle_m[1][brick];
+/// Joins the shares of kSharers neighbouring threads.
+template <int kSharers, typename Group, int kThreads>
+inline G3D_GPU void join_shares(const Group& group, PerThread<std::uint32_t, kThreads>& ends,
+                                PerThread<std::uint32_t, kThreads>& own) {
+  PerThread<std::uint32_t, kThreads> joined;
+#pragma GCC unroll 5
+  for (int bits = 1; bits < kSharers; bits *= 2) {
+    for (PerThread<std::uint32_t, kThreads>* values : {&ends, &own}) {
+      group.lanes([&](int t) { joined[t] = join_ends((*values)[t], values->peer(t, bits)); });
+      group.lanes([&](int t) { (*values)[t] = joined[t]; });
+    }
+  }
+}
+
+/// What one thread alone finds out about a box. It looks at the own pixels only where they are of account.
+inline G3D_GPU View decide_alone(const FrameParams& f, const Memory& m, const TopLevels& top, const cpu::BoxView& view,
+                                 bool is_block, const BoxBound& box, float z_m, RayBounds& rays) {
+  if (box.hidden) return View::hidden;
+  const std::uint32_t ends = gather_ends<1>(cells_of(f, m, top, box.u0, box.v0, box.u1, box.v1), 0);
+  const float farthest_m = static_cast<float>(ends >> 16) * f.metres_per_unit;
+  const bool reaches = ends >> 16 != 0 && farthest_m >= z_m - view.half_z_m;
+  std::uint32_t own = 0;
+  if (reaches && box.inside && (is_block || farthest_m > behind_m(f, z_m, view.half_z_m))) {
+    own = gather_ends<1>(cells_of(f, m, top, box.centre_u0, box.centre_v0, box.centre_u1, box.centre_v1), 0);
+  }
+  return conclude(f, view, is_block, box, ends, own, z_m, rays);
+}
+
+/// One of a block's eight bricks; see cpu::VisibleBlocks::classify_bricks. `block`: what is known of the block's rays.
+inline G3D_GPU View decide_brick(const FrameParams& f, const Memory& m, const TopLevels& top, const Corner& corner,
+                                 const RayBounds& block, int brick) {
   const float z_m = corner.z_m + f.brick_middle_m[2][brick];
   const float half_z_m = f.brick_view.half_z_m;
   if (block.farthest_m < z_m - half_z_m) return View::hidden;
   if (block.nearest_m > behind_m(f, z_m, half_z_m)) return View::all_free;
+  const BoxBound box =
+      bound_box(f.brick_view, corner.x_m + f.brick_middle_m[0][brick], corner.y_m + f.brick_middle_m[1][brick], z_m);
   RayBounds rays;
-  return decide(f, m, f.brick_view, false, x_m, y_m, z_m, rays);
+  return decide_alone(f, m, top, f.brick_view, false, box, z_m, rays);
 }
 
-inline G3D_GPU View decide_super(const FrameParams& f, const Memory& m, int sx, int sy, int sz) {
-  const Corner first = corner_of(f, 4 * sx, 4 * sy, 4 * sz);
-  RayBounds rays;
-  return decide(f, m, f.super_view, false, first.x_m + f.super_middle_m[0], first.y_m + f.super_middle_m[1],
-                first.z_m + f.super_middle_m[2], rays);
-}
-
-/// Block i (x fastest) of a group of 4x4x4, whose class is known.
-inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, View super, int sx, int sy, int sz, int i,
-                                 RayBounds& rays) {
-  if (super == View::hidden || super == View::all_free) return super;
-  const Corner first = corner_of(f, 4 * sx, 4 * sy, 4 * sz);
-  return decide(f, m, f.block_view, true, first.x_m + m.input->tables.block_middle_m[0][i],
-                first.y_m + m.input->tables.block_middle_m[1][i], first.z_m + m.input->tables.block_middle_m[2][i],
-                rays);
+/// Block i (x fastest) of a group of 4x4x4 whose first voxel lies at `first`.
+inline G3D_GPU View decide_block(const FrameParams& f, const Memory& m, const TopLevels& top, const Corner& first,
+                                 int i, RayBounds& rays) {
+  const FrameTables& tables = m.input->tables;
+  const float z_m = first.z_m + tables.block_middle_m[2][i];
+  const BoxBound box =
+      bound_box(f.block_view, first.x_m + tables.block_middle_m[0][i], first.y_m + tables.block_middle_m[1][i], z_m);
+  return decide_alone(f, m, top, f.block_view, true, box, z_m, rays);
 }
 
 }  // namespace g3d::mapper::cuda

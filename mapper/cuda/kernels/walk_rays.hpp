@@ -21,8 +21,22 @@ struct Ray {
   return static_cast<std::uint32_t>(x | y << 3 | z << 6);
 }
 
-/// Sets one voxel's bit. Most are set already: looking first is cheaper than setting.
-inline G3D_GPU void mark_voxel(const FrameParams& f, const Memory& m, const Ray& ray, const std::int32_t* cell) {
+/// Bits of one word that a ray has marked and not yet set: a word has the voxels of some steps in a row.
+struct PendingMarks {
+  std::uint32_t* word = nullptr;
+  std::uint32_t bits = 0;
+  std::uint32_t block_id = 0;
+};
+
+/// Most are set already: looking first is cheaper than setting.
+inline G3D_GPU void set_marks(const Memory& m, const PendingMarks& marks) {
+  if ((*marks.word & marks.bits) == marks.bits) return;
+  atomic_or(marks.word, marks.bits);
+  m.marked_blocks[marks.block_id] = 1;
+}
+
+inline G3D_GPU void mark_voxel(const FrameParams& f, const Memory& m, const Ray& ray, const std::int32_t* cell,
+                               PendingMarks& marks) {
   for (int axis = 0; axis < 3; ++axis) {
     if (cell[axis] < 0 || cell[axis] >= 8 * f.blocks[axis]) return;  // the box has room for all; see unproject()
   }
@@ -31,9 +45,12 @@ inline G3D_GPU void mark_voxel(const FrameParams& f, const Memory& m, const Ray&
   std::uint32_t* word = m.marks + static_cast<std::size_t>(id) * 2 * kMarkWords +
                         static_cast<std::uint32_t>(ray.weak_or_strong) + place / 32;
   const std::uint32_t bit = 1U << (place % 32);
-  if ((*word & bit) != 0) return;
-  atomic_or(word, bit);
-  m.marked_blocks[id] = 1;
+  if (word == marks.word) {
+    marks.bits |= bit;
+    return;
+  }
+  if (marks.word != nullptr) set_marks(m, marks);
+  marks = {word, bit, id};
 }
 
 /// Amanatides & Woo: the axis whose boundary comes first; at a tie x before y before z.
@@ -57,8 +74,9 @@ inline G3D_GPU void walk_exactly(const FrameParams& f, const Memory& m, const Ra
     cell[axis] = ray.first[axis];
     steps += apart < 0 ? -apart : apart;
   }
+  PendingMarks marks;
   for (; steps > 0; --steps) {
-    mark_voxel(f, m, ray, cell);
+    mark_voxel(f, m, ray, cell, marks);
     if (next[0] <= next[1] && next[0] <= next[2]) {
       next[0] = next[0] + delta[0];
       cell[0] += step[0];
@@ -70,6 +88,7 @@ inline G3D_GPU void walk_exactly(const FrameParams& f, const Memory& m, const Ra
       cell[2] += step[2];
     }
   }
+  if (marks.word != nullptr) set_marks(m, marks);
 }
 
 /// Thesis Algorithm 1: one step along the driving axis, the two others when their error term is due.
@@ -89,14 +108,16 @@ inline G3D_GPU void walk_as_thesis(const FrameParams& f, const Memory& m, const 
   std::int32_t error[3];
   for (int axis = 0; axis < 3; ++axis) error[axis] = 2 * count[axis] - along;
   const int drive = x_drives ? 0 : (y_drives ? 1 : 2);
+  PendingMarks marks;
   for (std::int32_t steps = along; steps > 0; --steps) {
-    mark_voxel(f, m, ray, cell);
+    mark_voxel(f, m, ray, cell, marks);
     for (int axis = 0; axis < 3; ++axis) {
       const bool due = axis == drive || error[axis] >= 0;
       cell[axis] += due ? step[axis] : 0;
       error[axis] += 2 * count[axis] - (due && axis != drive ? 2 * along : 0);
     }
   }
+  if (marks.word != nullptr) set_marks(m, marks);
 }
 
 inline constexpr int kRayTileColumns = 32;

@@ -3,6 +3,7 @@
 // order, for every integrator and mode.
 #include "mapper/cuda/emulated.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "mapper/map_hash.hpp"
@@ -73,6 +74,21 @@ TEST_CASE("kernels give the CPU twin's map in static mode and without colour") {
   config.mode = MapMode::dynamic_mode;
   config.with_colour = false;
   check_twins(config, {"random", camera, test::random_frames(camera, 4, 12)}, 12);
+}
+
+TEST_CASE("kernels leave nothing behind in blocks that are as free as can be, for when something comes there") {
+  const hal::CameraModel camera = test::small_camera(100);
+  for (const IntegratorKind kind : kAllKinds) {
+    MapperConfig config = small_config(kind, 0.04F);
+    config.steps = {12, 16};  // one look frees a voxel for good, one reading marks it
+    // A wall far away, seen three times, and then whatever comes, from elsewhere: boxes of frames differ.
+    std::vector<test::PosedImage> frames = test::random_frames(camera, 6, 31);
+    for (std::size_t i = 0; i < 3; ++i) {
+      frames[i].T_world_camera = frames[0].T_world_camera;
+      std::fill_n(frames[i].frame.depth.get(), camera.pixel_count(), std::uint16_t{3400});
+    }
+    check_twins(config, {"free, then random", camera, std::move(frames)}, 31);
+  }
 }
 
 TEST_CASE("kernels give the CPU twin's map on simulated and recorded frames") {

@@ -48,17 +48,25 @@ class FaultyCard final : public cuda::Card {
   const cuda::Parcels& parcels() override { return good_->parcels(); }
   std::uint32_t room() const override { return good_->room(); }
   bool import_blocks(std::uint32_t count) override { return good_->import_blocks(count) && !fails_to_import; }
-  bool run_frame(cuda::FrameCounters& counters) override {
-    const bool done = good_->run_frame(counters);
-    if (spoil) spoil(counters, good_->parcels());
+  const cuda::Classes& classes() override { return good_->classes(); }
+  std::uint32_t class_room() const override { return good_->class_room(); }
+  bool begin_frame() override { return good_->begin_frame(); }
+  bool finish_frame(cuda::FrameCounters& counters) override {
+    const bool done = good_->finish_frame(counters);
+    if (spoil) spoil(counters, good_->classes());
     return done && !fails_to_run;
   }
-  bool send_blocks(std::uint32_t first) override { return good_->send_blocks(first) && !fails_to_send; }
+  bool send_blocks(std::uint32_t first) override {
+    const bool done = good_->send_blocks(first);
+    if (spoil_parcels) spoil_parcels(good_->parcels());
+    return done && !fails_to_send;
+  }
 
   bool fails_to_import = false;
   bool fails_to_run = false;
   bool fails_to_send = false;
-  std::function<void(cuda::FrameCounters&, const cuda::Parcels&)> spoil;
+  std::function<void(cuda::FrameCounters&, const cuda::Classes&)> spoil;
+  std::function<void(const cuda::Parcels&)> spoil_parcels;
 
  private:
   std::shared_ptr<cuda::Card> good_;
@@ -118,14 +126,18 @@ TEST_CASE("a frame that changes more blocks than there is room for comes in roun
 TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
   const hal::CameraModel camera = test::small_camera(60);
   const auto frames = test::random_frames(camera, 2, 8);
-  using Spoil = std::function<void(cuda::FrameCounters&, const cuda::Parcels&)>;
-  const std::vector<Spoil> lies{
-      [](cuda::FrameCounters& c, const cuda::Parcels&) { c.changed = 0xFFFFFFFF; },
-      [](cuda::FrameCounters& c, const cuda::Parcels&) { c.refused_imports = 1; },
-      [](cuda::FrameCounters&, const cuda::Parcels& p) { p.heads[3].plane = 1U << 30; },
-      [](cuda::FrameCounters&, const cuda::Parcels& p) { p.heads[0].first_brick = 77777; },
-      [](cuda::FrameCounters&, const cuda::Parcels& p) { p.heads[1].key = ~std::uint64_t{0}; },
-      [](cuda::FrameCounters&, const cuda::Parcels& p) { p.heads[2].uniform_level = 77; },
+  using Lie = std::function<void(FaultyCard&)>;
+  const auto about_frame = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil = spoil; }; };
+  const auto about_parcels = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil_parcels = spoil; }; };
+  const std::vector<Lie> lies{
+      about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.changed = 0xFFFFFFFF; }),
+      about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.refused_imports = 1; }),
+      about_frame([](cuda::FrameCounters&, const cuda::Classes& p) { p.heads[1].key = ~std::uint64_t{0}; }),
+      about_frame([](cuda::FrameCounters&, const cuda::Classes& p) { p.heads[0].uniform = 3; }),
+      about_parcels([](const cuda::Parcels& p) { p.heads[3].plane = 1U << 30; }),
+      about_parcels([](const cuda::Parcels& p) { p.heads[0].first_brick = 77777; }),
+      about_parcels([](const cuda::Parcels& p) { p.heads[1].key = ~std::uint64_t{0}; }),
+      about_parcels([](const cuda::Parcels& p) { p.heads[2].uniform_level = 77; }),
   };
   for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
     INFO("fault " << fault);
@@ -134,7 +146,7 @@ TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
     emulated.twin.set_card(faulty);
     (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
     const std::string before = map_hash(emulated.map);
-    if (fault < lies.size()) faulty->spoil = lies[fault];
+    if (fault < lies.size()) lies[fault](*faulty);
     faulty->fails_to_run = fault == lies.size();
     faulty->fails_to_import = fault == lies.size() + 1;
     if (faulty->fails_to_import) {
@@ -164,4 +176,41 @@ TEST_CASE("a map that was cleared needs a new card") {
   Mapper fresh(small_config(), camera);
   (void)fresh.integrate(frames[1].frame, frames[1].T_world_camera);
   CHECK(map_hash(emulated.map) == map_hash(fresh.map()));
+}
+
+TEST_CASE("classes of what a frame changed are there before the mirror is, and say what it will be") {
+  const hal::CameraModel camera = test::small_camera(80);
+  test::EmulatedMapper emulated(small_config(), camera, 10);
+  std::uint32_t number = 0;
+  std::size_t uniform = 0;
+  std::size_t mixed = 0;
+  for (const auto& [frame, pose] : test::random_frames(camera, 4, 10)) {
+    const std::string before = map_hash(emulated.map);
+    FrameReport report;
+    const auto geometry = cpu::frame_geometry(emulated.sensor, hal::to_transform(pose));
+    REQUIRE(geometry);
+    REQUIRE(emulated.twin.begin(frame, *geometry, true, ++number, report));
+    CHECK(map_hash(emulated.map) == before);
+    const cuda::ChangedClasses classes = emulated.twin.changed_classes();
+    REQUIRE(emulated.twin.finish(report));
+    REQUIRE(classes.heads.size() == emulated.twin.changed_slots().size());
+    REQUIRE_FALSE(classes.heads.empty());
+    for (std::size_t i = 0; i < classes.heads.size(); ++i) {
+      BlockValues values;
+      REQUIRE(emulated.map.read_block(classes.heads[i].key, values));
+      const bool is_uniform = classes.heads[i].uniform != cuda::kNone;
+      (is_uniform ? uniform : mixed) += 1;
+      std::size_t different = 0;
+      for (std::size_t place = 0; place < values.size(); ++place) {
+        const State state = state_of(values[place]);
+        const std::uint32_t expected = state == State::occupied ? 2 : state == State::free ? 1 : 0;
+        const std::uint32_t told =
+            is_uniform ? classes.heads[i].uniform : classes.planes[i].words[place / 16] >> (2 * (place % 16)) & 3U;
+        different += told == expected ? 0 : 1;
+      }
+      CHECK(different == 0);
+    }
+  }
+  CHECK(uniform > 0);
+  CHECK(mixed > 0);
 }
