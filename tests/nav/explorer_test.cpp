@@ -31,7 +31,7 @@ struct Run {
 
 }  // namespace
 
-TEST_CASE("a whole floor is seen, the robot comes home and says why it left the rest") {
+TEST_CASE("a whole floor is seen, the robot comes home and says why it left the rest", "[slow]") {
   for (const std::string_view plan : {"house", "narrow_doors"}) {
     Run run(plan);
     const tests::FlatResult result = tests::run_explorer(*run.sim, 3000.0);
@@ -44,7 +44,7 @@ TEST_CASE("a whole floor is seen, the robot comes home and says why it left the 
   }
 }
 
-TEST_CASE("the same world and start give the same drive") {
+TEST_CASE("the same world and start give the same drive", "[slow]") {
   Run a("lab", 3);
   Run b("lab", 3);
   const tests::FlatResult ra = tests::run_explorer(*a.sim, 120.0);

@@ -205,7 +205,7 @@ TEST_CASE("Cut off from where it came from it does not give up its goals, and go
   CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
 }
 
-TEST_CASE("Behind a door that proves narrower than planning likes it goes on exploring") {
+TEST_CASE("Behind a door that proves narrower than planning likes it goes on exploring", "[slow]") {
   constexpr double kDoor_m = 0.6, kNarrow_m = 0.42, kMiddle_m = 2.0, kWall_m = 4.0, kBehind_m = 4.05;
   std::vector<Box> boxes = room({0, 0, 8, 4});
   boxes.push_back({kWall_m, 0, kBehind_m, kMiddle_m - kDoor_m / 2});
@@ -264,7 +264,7 @@ TEST_CASE("While the safety table forbids motion it waits, and goes on by itself
   CHECK(world.navigator.report().stops[static_cast<std::size_t>(nav::StopReason::no_progress)] == 0);
 }
 
-TEST_CASE("It gets away from where it starts, be it at a wall or in a corner") {
+TEST_CASE("It gets away from where it starts, be it at a wall or in a corner", "[slow]") {
   for (const hal::PlanarPose start : {hal::PlanarPose{0.19, 1.5, 3.1}, hal::PlanarPose{0.19, 0.19, -2.4},
                                       hal::PlanarPose{3.70, 0.8, 0.0}, hal::PlanarPose{4.30, 3.80, 1.57}}) {
     World world(two_rooms(), start, kTwoRooms);
@@ -275,7 +275,7 @@ TEST_CASE("It gets away from where it starts, be it at a wall or in a corner") {
   }
 }
 
-TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot goes on") {
+TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot goes on", "[slow]") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   world.run(15);
   world.robot.is_stuck = true;
