@@ -198,7 +198,7 @@ $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
 
 # Catch2 is parsed once per flavour, not once per test file.
-$(PCH).gch $(COMMON).gch: OPT := -O1 -g1
+$(PCH).gch: OPT := -O1 -g1
 $(PCH).gch: tests/precompiled.hpp toolchain/common_headers.hpp
 $(COMMON).gch: toolchain/common_headers.hpp
 $(PCH).gch $(COMMON).gch:
@@ -219,10 +219,10 @@ READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/%
   $(addprefix hal/kobuki/,command.o feedback_codec.o frame_scanner.o odometry.o packet_gates.o packet_reader.o))
 $(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
 
-# Sources whose options are those of the header. Not in the release build: see toolchain/common_headers.hpp.
-PLAIN_OBJ := $(if $(SANITIZE),$(filter-out $(READERS) %/version.o %/carried.o,$(call objects,$(LIB_SRC) $(MAIN_SRC))))
+# Sources whose options are those of the header.
+PLAIN_OBJ := $(filter-out $(HOT) $(if $(COVERAGE),$(READERS)) %/version.o %/carried.o,$(call objects,$(LIB_SRC) $(MAIN_SRC)))
 $(PLAIN_OBJ): private FLAGS += $(call precompiled,$(COMMON))
-$(PLAIN_OBJ): $(if $(SANITIZE),$(COMMON).gch)
+$(PLAIN_OBJ): $(COMMON).gch
 
 $(RUNNER_OBJ): tests/main.cpp
 	@mkdir -p $(@D)
