@@ -14,7 +14,6 @@ constexpr double kPlaceTime_s = 0.12;    // of the filter: how fast a place is b
 constexpr double kVelocityTime_s = 0.4;  // and a velocity
 constexpr double kBehind_m = 0.3;        // looked through so far beyond his place: he is not there
 constexpr double kStride_m = 0.05;       // of looking for walls in his way
-constexpr double kStands_mps = 0.01;
 
 double seconds(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 hal::TimeNs after(hal::TimeNs from, double s) { return from + static_cast<hal::TimeNs>(s * 1e9); }
@@ -103,12 +102,18 @@ bool PasserTracks::is_walking(const Track& track) const {
          speed_mps <= config_.most_mps;
 }
 
+PasserTracks::Guess PasserTracks::guess(const Track& track, hal::TimeNs now) const {
+  if (!is_walking(track)) return {track.x_m, track.y_m, 0.0, 0.0};
+  const double s = seconds(track.seen_ns, now);
+  return {track.x_m + s * track.vx_mps, track.y_m + s * track.vy_mps, track.vx_mps, track.vy_mps};
+}
+
 // Of somebody who was not seen where he should be.
 bool PasserTracks::is_looked_through(const Track& track, const DepthScan& scan, const hal::PlanarPose& pose,
-                                     hal::TimeNs now) {
-  const double s = seconds(track.seen_ns, now);
-  const double x_m = track.x_m + s * track.vx_mps - pose.x_m;
-  const double y_m = track.y_m + s * track.vy_mps - pose.y_m;
+                                     hal::TimeNs now) const {
+  const Guess at = guess(track, now);
+  const double x_m = at.x_m - pose.x_m;
+  const double y_m = at.y_m - pose.y_m;
   const double ahead_m = std::cos(pose.heading_rad) * x_m + std::sin(pose.heading_rad) * y_m - scan.eye_x_m();
   const double left_m = -std::sin(pose.heading_rad) * x_m + std::cos(pose.heading_rad) * y_m - scan.eye_y_m();
   const double bearing_rad = std::atan2(left_m, ahead_m);
@@ -121,11 +126,12 @@ bool PasserTracks::is_looked_through(const Track& track, const DepthScan& scan, 
 // No walls on it. Cells where something came lately are his own.
 bool PasserTracks::has_way(const Track& track, const CellGrid<CellState>& states, const MovedLately& moved,
                            hal::TimeNs now) const {
-  const double speed_mps = std::max(std::hypot(track.vx_mps, track.vy_mps), kStands_mps);
-  const int strides = static_cast<int>(speed_mps * seconds(track.seen_ns, now) / kStride_m);
+  const Guess at = guess(track, now);
+  const double way_m = std::hypot(at.x_m - track.x_m, at.y_m - track.y_m);
+  const int strides = static_cast<int>(way_m / kStride_m);
   for (int i = 0; i <= strides; ++i) {
-    const double t_s = i * kStride_m / speed_mps;
-    const Cell c = states.cell_of(track.x_m + t_s * track.vx_mps, track.y_m + t_s * track.vy_mps);
+    const double part = strides > 0 ? i * kStride_m / way_m : 0.0;
+    const Cell c = states.cell_of(track.x_m + part * (at.x_m - track.x_m), track.y_m + part * (at.y_m - track.y_m));
     if (!states.contains(c)) return false;
     if (i * kStride_m > config_.radius_m && states.at(c) == CellState::occupied && !moved.is_new(c, now)) return false;
   }
@@ -160,19 +166,17 @@ void PasserTracks::look(const DepthScan& scan, const Rays& is_somebody, const Ra
 bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
   for (const Track& track : tracks_) {
     if (!track.has_walked || track.ends_ns <= now) continue;
-    const bool walks = is_walking(track);
-    const double vx_mps = walks ? track.vx_mps : 0.0;
-    const double vy_mps = walks ? track.vy_mps : 0.0;
-    const double s = seconds(track.seen_ns, now);
-    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * s : 0.0);
-    const double from_x_m = x_m - (track.x_m + s * vx_mps);
-    const double from_y_m = y_m - (track.y_m + s * vy_mps);
-    double along_s = 0.0;
-    if (walks && !track.is_in_view) {
-      const double square_m2ps2 = vx_mps * vx_mps + vy_mps * vy_mps;
-      along_s = std::clamp((from_x_m * vx_mps + from_y_m * vy_mps) / square_m2ps2, 0.0, config_.ahead_s);
-    }
-    if (std::hypot(from_x_m - along_s * vx_mps, from_y_m - along_s * vy_mps) <= radius_m) return true;
+    const Guess at = guess(track, now);
+    const double square_m2ps2 = at.vx_mps * at.vx_mps + at.vy_mps * at.vy_mps;
+    const bool walks = square_m2ps2 > 0.0;
+    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * seconds(track.seen_ns, now) : 0.0);
+    const double from_x_m = x_m - at.x_m;
+    const double from_y_m = y_m - at.y_m;
+    const double along_s =
+        walks && !track.is_in_view
+            ? std::clamp((from_x_m * at.vx_mps + from_y_m * at.vy_mps) / square_m2ps2, 0.0, config_.ahead_s)
+            : 0.0;
+    if (std::hypot(from_x_m - along_s * at.vx_mps, from_y_m - along_s * at.vy_mps) <= radius_m) return true;
   }
   return false;
 }

@@ -58,6 +58,11 @@ class PasserTracks {
     bool is_in_view = false;
     bool has_walked = false;
   };
+  /// Where he is now, and how fast: who stands does not creep away while nobody looks.
+  struct Guess {
+    double x_m, y_m;
+    double vx_mps, vy_mps;
+  };
   struct Sight {
     double x_m, y_m;
     bool is_whole;  ///< the image's edge cuts nothing off
@@ -70,8 +75,9 @@ class PasserTracks {
   [[nodiscard]] Track& oldest();
   void follow(Track& track, const Sight& sight, hal::TimeNs now) const;
   [[nodiscard]] bool is_walking(const Track& track) const;
-  [[nodiscard]] static bool is_looked_through(const Track& track, const DepthScan& scan,
-                                              const hal::PlanarPose& T_world_base, hal::TimeNs now);
+  [[nodiscard]] Guess guess(const Track& track, hal::TimeNs now) const;
+  [[nodiscard]] bool is_looked_through(const Track& track, const DepthScan& scan, const hal::PlanarPose& T_world_base,
+                                       hal::TimeNs now) const;
   [[nodiscard]] bool has_way(const Track& track, const CellGrid<CellState>& states, const MovedLately& moved,
                              hal::TimeNs now) const;
 
