@@ -32,6 +32,15 @@ class Card {
   virtual bool finish_frame(FrameCounters& counters) = 0;
   /// Makes parcels of the changed blocks from number `first` on.
   virtual bool send_blocks(std::uint32_t first) = 0;
+
+  // Between frames
+  /// Filled by the caller, up to the room for each; the answers stand in them until the next question.
+  [[nodiscard]] virtual const Queries& queries() = 0;
+  [[nodiscard]] virtual std::uint32_t ray_room() const = 0;
+  [[nodiscard]] virtual std::uint32_t look_room() const = 0;
+  virtual bool cast_rays(std::uint32_t count, float resolution_m) = 0;
+  /// The gains must be zero.
+  virtual bool count_looks(std::uint32_t count, const LookModel& model) = 0;
 };
 
 }  // namespace g3d::mapper::cuda

@@ -83,6 +83,20 @@ bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geomet
   return false;
 }
 
+bool CardKeeper::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits) {
+  return answered(twin_.has_card() && twin_.cast_rays(rays, hits));
+}
+
+bool CardKeeper::count_looks(const LookModel& model, std::span<Look> looks) {
+  return answered(twin_.has_card() && twin_.count_looks(model, looks));
+}
+
+bool CardKeeper::answered(bool by_card) {
+  if (!by_card && twin_.has_card()) lose();
+  ++(by_card ? report_.questions_on_card : report_.questions_on_cpu);
+  return by_card;
+}
+
 bool CardKeeper::finish(FrameReport& report) {
   if (twin_.finish(begun_)) {
     report = begun_;

@@ -26,6 +26,9 @@ class CardKeeper {
                            std::uint32_t frame_number);
   /// See Twin::finish(). After begin() returned true; false as there.
   [[nodiscard]] bool finish(FrameReport& report);
+  /// See Twin. False: there is no card, or it was lost, and the CPU twin answers.
+  [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
+  [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
   [[nodiscard]] ChangedClasses changed_classes() const { return twin_.changed_classes(); }
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return twin_.changed_slots(); }
   [[nodiscard]] bool is_ready() const { return twin_.has_card(); }
@@ -37,6 +40,7 @@ class CardKeeper {
   void take_if_ready(HelperState state);
   void start_later();
   void lose();
+  bool answered(bool by_card);
 
   const cpu::SensorGeometry& sensor_;
   hal::TimeNs patience_ns_;

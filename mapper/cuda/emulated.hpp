@@ -29,6 +29,11 @@ class Emulated final : public Card {
   bool begin_frame() override { return true; }
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  [[nodiscard]] const Queries& queries() override { return queries_; }
+  [[nodiscard]] std::uint32_t ray_room() const override { return sizes_.rays; }
+  [[nodiscard]] std::uint32_t look_room() const override { return sizes_.looks; }
+  bool cast_rays(std::uint32_t count, float resolution_m) override;
+  bool count_looks(std::uint32_t count, const LookModel& model) override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }
 
@@ -38,6 +43,7 @@ class Emulated final : public Card {
   std::uint64_t next_random();
   void shuffle(std::vector<int>& order);
 
+  MemorySizes sizes_;
   std::uint64_t random_;
   std::vector<std::byte> bytes_;
   Memory memory_{};
@@ -48,6 +54,7 @@ class Emulated final : public Card {
   std::vector<ClassPlane> class_planes_;
   Parcels parcels_{};
   Classes classes_{};
+  Queries queries_{};
 };
 
 }  // namespace g3d::mapper::cuda

@@ -22,7 +22,8 @@ namespace {
 constexpr int kSpins = 20'000;               // some tens of microseconds: what a frame takes
 constexpr hal::TimeNs kLook_ns = 2'000'000;  // how often a waiting thread looks whether the helper still lives
 constexpr hal::TimeNs kImportPatience_ns = 1'000'000'000;
-constexpr int kFirstSpareFile = 64;  // the helper's file 3 is the shared memory, whatever is open here
+constexpr hal::TimeNs kQuestionPatience = 10;  // times a frame's: somebody may ask for more than a frame has pixels
+constexpr int kFirstSpareFile = 64;            // the helper's file 3 is the shared memory, whatever is open here
 
 std::uint32_t read_word(const std::uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
 
@@ -79,6 +80,8 @@ void HelperProcess::fill(const HelperSetup& setup) {
   control_->version = kProtocolVersion;
   room_ = setup.room;
   class_room_ = setup.class_room;
+  ray_room_ = setup.sizes.rays;
+  look_room_ = setup.sizes.looks;
   patience_ns_ = setup.patience_ns;
   std::memcpy(at<char>(control_->program), setup.kernels.data(), setup.kernels.size());
   Memory zero_based{};
@@ -94,6 +97,7 @@ void HelperProcess::fill(const HelperSetup& setup) {
             at<std::uint16_t>(control_->sensor + offset(zero_based.mask) - first));
   parcels_ = {at<ParcelHead>(control_->heads), at<ParcelPlane>(control_->planes), at<ParcelBrick>(control_->bricks)};
   classes_ = {at<ClassHead>(control_->class_heads), at<ClassPlane>(control_->class_planes)};
+  queries_ = {at<BulkRay>(control_->rays), at<BulkHit>(control_->ray_hits), at<Look>(control_->looks)};
 }
 
 bool HelperProcess::spawn(std::span<const std::byte> program, std::string& problem) {
@@ -209,5 +213,15 @@ bool HelperProcess::finish_frame(FrameCounters& counters) {
 }
 
 bool HelperProcess::send_blocks(std::uint32_t first) { return ask(HelperCommand::send_blocks, first, patience_ns_); }
+
+bool HelperProcess::cast_rays(std::uint32_t count, float resolution_m) {
+  control_->look_model.resolution_m = resolution_m;
+  return ask(HelperCommand::cast_rays, count, kQuestionPatience * patience_ns_) && control_->refused_imports == 0;
+}
+
+bool HelperProcess::count_looks(std::uint32_t count, const LookModel& model) {
+  control_->look_model = model;
+  return ask(HelperCommand::count_looks, count, kQuestionPatience * patience_ns_) && control_->refused_imports == 0;
+}
 
 }  // namespace g3d::mapper::cuda

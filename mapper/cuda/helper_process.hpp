@@ -60,6 +60,11 @@ class HelperProcess final : public Card {
   bool begin_frame() override;
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  [[nodiscard]] const Queries& queries() override { return queries_; }
+  [[nodiscard]] std::uint32_t ray_room() const override { return ray_room_; }
+  [[nodiscard]] std::uint32_t look_room() const override { return look_room_; }
+  bool cast_rays(std::uint32_t count, float resolution_m) override;
+  bool count_looks(std::uint32_t count, const LookModel& model) override;
 
   /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.
   void set_frame_command(HelperCommand command) { frame_command_ = command; }
@@ -93,10 +98,13 @@ class HelperProcess final : public Card {
   std::uint32_t asked_ = 0;
   std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
   std::uint32_t class_room_ = 0;
+  std::uint32_t ray_room_ = 0;
+  std::uint32_t look_room_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
   Parcels parcels_{};
   Classes classes_{};
+  Queries queries_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

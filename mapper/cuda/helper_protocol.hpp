@@ -11,7 +11,7 @@
 
 namespace g3d::mapper::cuda {
 
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
 inline constexpr int kHelperLine = 4;  ///< one end of a socket pair; low, so that a dying process closes it first
 inline constexpr int kStages = 9;
@@ -24,6 +24,8 @@ enum class HelperCommand : std::uint32_t {
   run_frame_timed,   ///< copies first; then in stage_us how long the launches took, the classes, the first parcels
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
   send_blocks,       ///< from number `count` on
+  cast_rays,         ///< `count` of them; stage_us[0] is the time of the launch, as for looks
+  count_looks,       ///< `count` of them
   hang,              ///< for tests: never answers
 };
 
@@ -34,20 +36,25 @@ struct HelperControl {
   std::uint32_t asked;     ///< counts commands
   std::uint32_t answered;  ///< counts them as well; by the helper
   std::uint32_t command;
-  std::uint32_t count;  ///< parcels to import, or first changed block to send
+  std::uint32_t count;  ///< parcels to import, first changed block to send, or questions
   std::uint32_t ok;     ///< by the helper
   std::uint32_t room;   ///< parcels in one go
   std::uint32_t class_room;
   std::uint32_t coloured;      ///< number of the command whose colours are there
   std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
   MemorySizes sizes;
-  FrameCounters counters;  ///< by the card
+  FrameCounters counters;         ///< by the card
+  LookModel look_model;           ///< of the questions; for rays its resolution alone counts
+  std::uint32_t refused_imports;  ///< as of the last question; by the card
   // Offsets in bytes from here
   std::uint64_t program;  ///< PTX, zero-terminated
   std::uint64_t input;    ///< FrameInput, depth, rgb as Memory has them
   std::uint64_t input_bytes;
   std::uint64_t sensor;  ///< column_slope, row_slope, mask as Memory has them
   std::uint64_t sensor_bytes;
+  std::uint64_t rays;
+  std::uint64_t ray_hits;
+  std::uint64_t looks;
   std::uint64_t class_heads;
   std::uint64_t class_planes;
   std::uint64_t heads;
@@ -80,6 +87,9 @@ struct HelperControl {
   control.input = take(control.input_bytes);
   control.sensor_bytes = offset(m.ends[0]) - offset(m.column_slope);
   control.sensor = take(control.sensor_bytes);
+  control.rays = take(std::uint64_t{control.sizes.rays} * sizeof(BulkRay));
+  control.ray_hits = take(std::uint64_t{control.sizes.rays} * sizeof(BulkHit));
+  control.looks = take(std::uint64_t{control.sizes.looks} * sizeof(Look));
   control.class_heads = take(std::uint64_t{control.class_room} * sizeof(ClassHead));
   control.class_planes = take(std::uint64_t{control.class_room} * sizeof(ClassPlane));
   control.heads = take(std::uint64_t{control.room} * sizeof(ParcelHead));

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "mapper/cuda/frame_params.hpp"
+#include "mapper/look.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -102,6 +103,13 @@ struct Classes {
   ClassPlane* planes;  ///< same index
 };
 
+/// Questions and their answers, between frames; as many of each in one go as MemorySizes says.
+struct Queries {
+  BulkRay* rays;
+  BulkHit* ray_hits;  ///< same index
+  Look* looks;        ///< each comes back with its gain
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;
@@ -143,6 +151,12 @@ struct Memory {
   std::uint32_t* returned_blocks;
   std::uint32_t* returned_planes;
   std::uint32_t* returned_bricks;
+  // Questions
+  BulkRay* rays;
+  BulkHit* ray_hits;
+  Look* looks;
+  std::uint32_t seen_stride;  ///< words of one look
+  std::uint32_t* seen;        ///< a bit for each voxel of a look's box. Zero between questions
 };
 
 /// What the sizes of all arrays follow from.
@@ -154,6 +168,8 @@ struct MemorySizes {
   std::uint32_t blocks;      ///< capacity of the map
   std::uint32_t planes;
   std::uint32_t bricks;
+  std::uint32_t rays = 0;   ///< cast in one go
+  std::uint32_t looks = 0;  ///< counted in one go
 };
 
 /// Slots of the hash table: at most half full.
@@ -251,6 +267,11 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   take(m.returned_blocks, s.blocks);
   take(m.returned_planes, s.planes);
   take(m.returned_bricks, s.bricks);
+  take(m.rays, s.rays);
+  take(m.ray_hits, s.rays);
+  take(m.looks, s.looks);
+  m.seen_stride = s.box_blocks * kSeenWords;
+  take(m.seen, std::size_t{s.looks} * m.seen_stride);
   take(m.hits, records * kVoxels);  // last: the only array that does not begin as zeros
   return next - base;
 }

@@ -97,6 +97,60 @@ bool Twin::are_sane(const Parcels& parcels, std::uint32_t count) {
   return true;
 }
 
+bool Twin::are_sane(std::span<const BulkRay> rays, std::span<const BulkHit> hits) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const BulkHit& hit = hits[i];
+    if (hit.end > RayEnd::left_grid) return false;
+    // A range may be no number; then this is what comes back.
+    const bool is_open = hit.end == RayEnd::max_range;
+    if (is_open && std::memcmp(&hit.distance_m, &rays[i].max_range_m, sizeof(float)) != 0) return false;
+    // Through voxels and back, so the last bits may differ.
+    if (!is_open && !(hit.distance_m >= 0.0F && hit.distance_m <= 1.0001F * rays[i].max_range_m + 1e-30F)) return false;
+  }
+  return true;
+}
+
+bool Twin::is_sane(const LookGain& gain, const Look& look, const LookModel& model) {
+  const auto along = [&](std::int32_t px) {
+    return static_cast<std::uint64_t>((px + model.stride_px - 1) / model.stride_px);
+  };
+  const std::uint64_t rays = along(model.width_px) * along(model.height_px);
+  const std::uint64_t voxels =
+      static_cast<std::uint64_t>(look.blocks[0] * look.blocks[1] * look.blocks[2]) * kBlockVoxels;
+  return gain.unknown_voxels <= voxels && std::uint64_t{gain.blocked_rays} + gain.near_rays <= rays;
+}
+
+bool Twin::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits) {
+  if (card_ == nullptr || card_->ray_room() == 0 || !send_changes()) return false;
+  const float resolution_m = mirror_.grid().resolution_m;
+  while (!rays.empty()) {
+    const std::size_t count = std::min<std::size_t>(rays.size(), card_->ray_room());
+    std::memcpy(card_->queries().rays, rays.data(), count * sizeof(BulkRay));
+    if (!card_->cast_rays(static_cast<std::uint32_t>(count), resolution_m)) return false;
+    std::memcpy(hits.data(), card_->queries().ray_hits, count * sizeof(BulkHit));
+    if (!are_sane(rays.first(count), hits.first(count))) return false;
+    rays = rays.subspan(count);
+    hits = hits.subspan(count);
+  }
+  return true;
+}
+
+bool Twin::count_looks(const LookModel& model, std::span<Look> looks) {
+  if (card_ == nullptr || card_->look_room() == 0 || !send_changes()) return false;
+  while (!looks.empty()) {
+    const std::size_t count = std::min<std::size_t>(looks.size(), card_->look_room());
+    std::memcpy(card_->queries().looks, looks.data(), count * sizeof(Look));
+    if (!card_->count_looks(static_cast<std::uint32_t>(count), model)) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const LookGain gain = card_->queries().looks[i].gain;
+      if (!is_sane(gain, looks[i], model)) return false;
+      looks[i].gain = gain;
+    }
+    looks = looks.subspan(count);
+  }
+  return true;
+}
+
 void Twin::keep(std::uint32_t count) {
   const Parcels& from = card_->parcels();
   for (std::uint32_t i = 0; i < count; ++i) {

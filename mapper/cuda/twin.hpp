@@ -51,6 +51,11 @@ class Twin {
                            std::uint32_t frame_number, FrameReport& report);
   /// The mirror becomes what the card's map is.
   [[nodiscard]] bool finish(FrameReport& report);
+  // Questions to the card's map, which is the mirror: not between begin() and finish(). False: the card is lost; what
+  // it answered may be incomplete.
+  [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
+  [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
+
   /// Between begin() and the next one. Empty when there were too many for the memory shared with the card.
   [[nodiscard]] ChangedClasses changed_classes() const;
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
@@ -61,6 +66,8 @@ class Twin {
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
   [[nodiscard]] static bool are_sane(const Classes& classes, std::uint32_t count);
+  [[nodiscard]] static bool are_sane(std::span<const BulkRay> rays, std::span<const BulkHit> hits);
+  [[nodiscard]] static bool is_sane(const LookGain& gain, const Look& look, const LookModel& model);
   void keep(std::uint32_t count);
   void take(const Parcels& parcels, std::uint32_t count, FrameReport& report);
 

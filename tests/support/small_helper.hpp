@@ -19,7 +19,7 @@ class SmallHelper {
     const std::vector<std::uint16_t> mask(32 * 24, 3000);
     helper_ = mapper::cuda::HelperProcess::start({.program = mapper::cuda::carried_helper(),
                                                   .kernels = kernels,
-                                                  .sizes = {32, 24, 512, 0, 256, 128, 128},
+                                                  .sizes = {32, 24, 512, 0, 256, 128, 128, 64, 2},
                                                   .room = 16,
                                                   .column_slope = slopes,
                                                   .row_slope = std::span(slopes).first(24),

@@ -98,6 +98,7 @@ bool CardSession::load_kernels() {
       return false;
     at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }
+  if (!load_questions(module)) return false;
   std::size_t map_bytes = 0;
   std::size_t params_bytes = 0;
   if (!check(driver_.module_get_global(&memory_symbol_, &map_bytes, module, "memory_map"), "memory_map") ||
@@ -360,6 +361,10 @@ bool CardSession::obey() {
       return run_stages();
     case HelperCommand::send_blocks:
       return send_blocks(control_->count);
+    case HelperCommand::cast_rays:
+      return cast_rays(control_->count);
+    case HelperCommand::count_looks:
+      return count_looks(control_->count);
     case HelperCommand::hang:
       break;
   }

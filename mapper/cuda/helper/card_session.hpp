@@ -16,10 +16,12 @@ class CardSession {
 
  private:
   enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
+  enum Question { kCastRays, kMarkLooks, kCountLooks, kQuestionCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
   [[nodiscard]] bool load_kernels();
+  [[nodiscard]] bool load_questions(CuHandle module);
   [[nodiscard]] bool make_memory();
   /// What of a frame is launched together.
   enum class Part { until_colours, from_colours, launches_alone };
@@ -39,6 +41,11 @@ class CardSession {
   [[nodiscard]] bool run_stages();
   [[nodiscard]] bool import_blocks(std::uint32_t count);
   [[nodiscard]] bool send_blocks(std::uint32_t first);
+  /// So many tasks, one block of threads for each; fewer blocks stride over them where they would not fit.
+  [[nodiscard]] bool ask(Question question, std::uint64_t tasks, unsigned threads, void** arguments);
+  [[nodiscard]] bool finish_question();
+  [[nodiscard]] bool cast_rays(std::uint32_t count);
+  [[nodiscard]] bool count_looks(std::uint32_t count);
   [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);
   [[nodiscard]] bool fetch_classes();
   [[nodiscard]] bool fetch_parcels(std::uint32_t first);
@@ -53,7 +60,9 @@ class CardSession {
   CuHandle stream_ = nullptr;
   CuHandle kernels_[kKernelCount] = {};
   unsigned at_once_[kKernelCount] = {};  ///< blocks of threads that the card runs side by side
-  CuHandle first_graph_ = nullptr;       ///< a frame up to where it needs colours
+  CuHandle questions_[kQuestionCount] = {};
+  unsigned questions_at_once_[kQuestionCount] = {};
+  CuHandle first_graph_ = nullptr;  ///< a frame up to where it needs colours
   CuHandle last_graph_ = nullptr;
   CuHandle launch_graph_ = nullptr;  ///< all launches without copies
   CuHandle events_[kStages + 1] = {};

@@ -5,7 +5,9 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
+#include <limits>
 
+#include "mapper/cpu/bulk_rays.hpp"
 #include "mapper/map_hash.hpp"
 #include "tests/support/emulated_mapper.hpp"
 #include "tests/support/sample_maps.hpp"
@@ -62,11 +64,27 @@ class FaultyCard final : public cuda::Card {
     return done && !fails_to_send;
   }
 
+  const cuda::Queries& queries() override { return good_->queries(); }
+  std::uint32_t ray_room() const override { return good_->ray_room(); }
+  std::uint32_t look_room() const override { return good_->look_room(); }
+  bool cast_rays(std::uint32_t count, float resolution_m) override {
+    const bool done = good_->cast_rays(count, resolution_m);
+    if (spoil_answers) spoil_answers(good_->queries());
+    return done && !fails_to_answer;
+  }
+  bool count_looks(std::uint32_t count, const LookModel& model) override {
+    const bool done = good_->count_looks(count, model);
+    if (spoil_answers) spoil_answers(good_->queries());
+    return done && !fails_to_answer;
+  }
+
   bool fails_to_import = false;
   bool fails_to_run = false;
   bool fails_to_send = false;
+  bool fails_to_answer = false;
   std::function<void(cuda::FrameCounters&, const cuda::Classes&)> spoil;
   std::function<void(const cuda::Parcels&)> spoil_parcels;
+  std::function<void(const cuda::Queries&)> spoil_answers;
 
  private:
   std::shared_ptr<cuda::Card> good_;
@@ -159,6 +177,36 @@ TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
     REQUIRE(geometry);
     CHECK_FALSE(emulated.twin.integrate(frames[1].frame, *geometry, true, 2, report));
     CHECK(map_hash(emulated.map) == expected);
+  }
+}
+
+TEST_CASE("a card that fails to answer, or answers what cannot be, is lost") {
+  const hal::CameraModel camera = test::small_camera(40);
+  using Lie = std::function<void(const cuda::Queries&)>;
+  const std::vector<Lie> lies{
+      [](const cuda::Queries& q) { q.ray_hits[3].end = static_cast<RayEnd>(4); },
+      [](const cuda::Queries& q) { q.ray_hits[0].distance_m = 1e9F; },
+      [](const cuda::Queries& q) { q.ray_hits[1].distance_m = std::numeric_limits<float>::quiet_NaN(); },
+      [](const cuda::Queries& q) { q.looks[0].gain.unknown_voxels = 0xFFFFFFFF; },
+      [](const cuda::Queries& q) { q.looks[0].gain.near_rays = 40 * 40; },
+  };
+  const std::vector<BulkRay> rays(20, BulkRay{{0, 0, 0}, {1, 1, 0}, 3.0F, 0});
+  for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
+    INFO("fault " << fault);
+    test::EmulatedMapper emulated(small_config(), camera, 8);
+    auto faulty = std::make_shared<FaultyCard>(emulated.card);
+    emulated.twin.set_card(faulty);
+    const LookModel model = cpu::look_model(emulated.sensor, 2);
+    std::vector<BulkHit> hits(rays.size());
+    std::vector<Look> looks{cpu::look_from(emulated.sensor, hal::to_transform(test::random_pose(1)))};
+    CHECK(emulated.twin.cast_rays(rays, hits));
+    CHECK(emulated.twin.count_looks(model, looks));
+    looks[0].gain = {};
+    if (fault < lies.size()) faulty->spoil_answers = lies[fault];
+    faulty->fails_to_answer = fault == lies.size();
+    if (fault == lies.size() + 1) emulated.map.clear();  // only an empty card can follow
+    const bool both = emulated.twin.cast_rays(rays, hits) && emulated.twin.count_looks(model, looks);
+    CHECK_FALSE(both);
   }
 }
 
