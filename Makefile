@@ -160,7 +160,7 @@ $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
 # For a machine with nothing but an NVIDIA driver: scripts/gpu-test.
-$(BUILD)/gpu_bench: $(BUILD)/tests/bench/gpu_bench.o $(SUPPORT) $(LIB)
+$(BUILD)/gpu_bench $(BUILD)/gpu_query_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
