@@ -161,6 +161,13 @@ cuda::ChangedClasses Mapper::card_classes() const {
   return parts_->last_on_card ? parts_->card->changed_classes() : cuda::ChangedClasses{};
 }
 
+void Mapper::follow_columns(const ColumnTables& tables) {
+  if (parts_->card != nullptr) parts_->card->follow_columns(tables);
+}
+ChangedColumns Mapper::card_columns() const {
+  return parts_->last_on_card ? parts_->card->changed_columns() : ChangedColumns{};
+}
+
 void Mapper::Parts::integrate_here(const hal::Frame& frame, const cpu::FrameGeometry& geometry, const std::uint8_t* rgb,
                                    FrameReport& report) {
   ends.compute(frame.depth.get(), kernels, pool);

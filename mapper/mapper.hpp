@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hal/messages.hpp"
+#include "mapper/column_bits.hpp"
 #include "mapper/look.hpp"
 #include "mapper/rgbo.hpp"
 #include "mapper/voxel_map.hpp"
@@ -106,6 +107,12 @@ class Mapper {
   FrameReport finish_frame();
   /// After begin_frame() returned true. Empty if they were too many to be sent at once.
   [[nodiscard]] cuda::ChangedClasses card_classes() const;
+
+  /// From now on a card also tells after begin_frame() what the changed blocks say about the floor below them, so that
+  /// nobody has to look at their voxels.
+  void follow_columns(const ColumnTables& tables);
+  /// After begin_frame() returned true, until the next one. Without an answer look at the map instead.
+  [[nodiscard]] ChangedColumns card_columns() const;
 
   /// Takes the robot's own footprint as free: a vertical cylinder standing on `base`. For the start, before any frame.
   void free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m);

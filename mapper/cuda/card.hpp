@@ -33,6 +33,13 @@ class Card {
   /// Makes parcels of the changed blocks from number `first` on.
   virtual bool send_blocks(std::uint32_t first) = 0;
 
+  /// How read_columns() is to read; at any time.
+  virtual bool set_columns(const ColumnTables& tables) = 0;
+  /// After a frame and before anything else changes the map: reads the changed blocks from number `first` on.
+  virtual bool read_columns(std::uint32_t first) = 0;
+  [[nodiscard]] virtual const Columns& columns() = 0;
+  [[nodiscard]] virtual std::uint32_t column_room() const = 0;
+
   // Between frames
   /// Filled by the caller, up to the room for each; the answers stand in them until the next question.
   [[nodiscard]] virtual const Queries& queries() = 0;

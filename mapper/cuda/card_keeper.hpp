@@ -26,6 +26,8 @@ class CardKeeper {
                            std::uint32_t frame_number);
   /// See Twin::finish(). After begin() returned true; false as there.
   [[nodiscard]] bool finish(FrameReport& report);
+  void follow_columns(const ColumnTables& tables) { twin_.follow_columns(tables); }
+  [[nodiscard]] ChangedColumns changed_columns() const { return twin_.changed_columns(); }
   /// See Twin. False: there is no card, or it was lost, and the CPU twin answers.
   [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
   [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);

@@ -15,10 +15,12 @@ constexpr std::uint32_t kRoom = 512;  // little, so that tests see more than one
 constexpr std::uint32_t kClassRoom = 2048;
 constexpr std::uint32_t kRayRoom = 500;
 constexpr std::uint32_t kLookRoom = 3;
+constexpr std::uint32_t kColumnRoom = 100;
 
 MemorySizes with_little_room(MemorySizes sizes) {
   sizes.rays = std::min(sizes.rays, kRayRoom);
   sizes.looks = std::min(sizes.looks, kLookRoom);
+  sizes.columns = std::min(sizes.columns, kColumnRoom);
   return sizes;
 }
 
@@ -45,6 +47,7 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
   parcels_ = {heads_.data(), planes_.data(), bricks_.data()};
   classes_ = {class_heads_.data(), class_planes_.data()};
   queries_ = {memory_.rays, memory_.ray_hits, memory_.looks};
+  columns_ = {memory_.column_keys, memory_.column_cells};
 }
 
 std::uint64_t Emulated::next_random() {
@@ -95,6 +98,16 @@ bool Emulated::finish_frame(FrameCounters& counters) {
 
 bool Emulated::send_blocks(std::uint32_t first) {
   launch(11, kParcelThreads, [&](const Block& block) { export_blocks(block, memory_, parcels_, first, room()); });
+  return true;
+}
+
+bool Emulated::set_columns(const ColumnTables& tables) {
+  *memory_.column_tables = tables;
+  return true;
+}
+
+bool Emulated::read_columns(std::uint32_t first) {
+  launch(5, kParcelThreads, [&](const Block& block) { cuda::read_columns(block, memory_, first, column_room()); });
   return true;
 }
 

@@ -29,6 +29,10 @@ class Emulated final : public Card {
   bool begin_frame() override { return true; }
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  bool set_columns(const ColumnTables& tables) override;
+  bool read_columns(std::uint32_t first) override;
+  [[nodiscard]] const Columns& columns() override { return columns_; }
+  [[nodiscard]] std::uint32_t column_room() const override { return sizes_.columns; }
   [[nodiscard]] const Queries& queries() override { return queries_; }
   [[nodiscard]] std::uint32_t ray_room() const override { return sizes_.rays; }
   [[nodiscard]] std::uint32_t look_room() const override { return sizes_.looks; }
@@ -55,6 +59,7 @@ class Emulated final : public Card {
   Parcels parcels_{};
   Classes classes_{};
   Queries queries_{};
+  Columns columns_{};
 };
 
 }  // namespace g3d::mapper::cuda

@@ -33,6 +33,7 @@ std::uint16_t to_raw(float metres, const hal::CameraModel& camera) {
 }
 
 constexpr std::uint32_t kRayRoom = 640 * 512;  // those of a whole image
+constexpr std::uint32_t kColumnRoom = 32768;
 constexpr std::size_t kSeen_bytes = std::size_t{32} << 20;
 constexpr std::size_t kMostLooks = 64;
 
@@ -70,7 +71,8 @@ MemorySizes FrameBuilder::sizes() const {
           config_.capacity.planes,
           config_.capacity.colour_bricks,
           kRayRoom,
-          look_room(sensor_.max_box_blocks())};
+          look_room(sensor_.max_box_blocks()),
+          kColumnRoom};
 }
 
 void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number,

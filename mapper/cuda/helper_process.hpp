@@ -60,6 +60,10 @@ class HelperProcess final : public Card {
   bool begin_frame() override;
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  bool set_columns(const ColumnTables& tables) override;
+  bool read_columns(std::uint32_t first) override;
+  [[nodiscard]] const Columns& columns() override { return columns_; }
+  [[nodiscard]] std::uint32_t column_room() const override { return column_room_; }
   [[nodiscard]] const Queries& queries() override { return queries_; }
   [[nodiscard]] std::uint32_t ray_room() const override { return ray_room_; }
   [[nodiscard]] std::uint32_t look_room() const override { return look_room_; }
@@ -99,12 +103,14 @@ class HelperProcess final : public Card {
   std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
   std::uint32_t class_room_ = 0;
   std::uint32_t ray_room_ = 0;
+  std::uint32_t column_room_ = 0;
   std::uint32_t look_room_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
   Parcels parcels_{};
   Classes classes_{};
   Queries queries_{};
+  Columns columns_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

@@ -24,6 +24,8 @@ enum class HelperCommand : std::uint32_t {
   run_frame_timed,   ///< copies first; then in stage_us how long the launches took, the classes, the first parcels
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
   send_blocks,       ///< from number `count` on
+  set_columns,       ///< as column_tables says
+  read_columns,      ///< from number `count` on; time as for rays
   cast_rays,         ///< `count` of them; stage_us[0] is the time of the launch, as for looks
   count_looks,       ///< `count` of them
   hang,              ///< for tests: never answers
@@ -43,7 +45,8 @@ struct HelperControl {
   std::uint32_t coloured;      ///< number of the command whose colours are there
   std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
   MemorySizes sizes;
-  FrameCounters counters;         ///< by the card
+  FrameCounters counters;  ///< by the card
+  ColumnTables column_tables;
   LookModel look_model;           ///< of the questions; for rays its resolution alone counts
   std::uint32_t refused_imports;  ///< as of the last question; by the card
   // Offsets in bytes from here
@@ -52,6 +55,8 @@ struct HelperControl {
   std::uint64_t input_bytes;
   std::uint64_t sensor;  ///< column_slope, row_slope, mask as Memory has them
   std::uint64_t sensor_bytes;
+  std::uint64_t column_keys;
+  std::uint64_t column_cells;
   std::uint64_t rays;
   std::uint64_t ray_hits;
   std::uint64_t looks;
@@ -87,6 +92,8 @@ struct HelperControl {
   control.input = take(control.input_bytes);
   control.sensor_bytes = offset(m.ends[0]) - offset(m.column_slope);
   control.sensor = take(control.sensor_bytes);
+  control.column_keys = take(std::uint64_t{control.sizes.columns} * sizeof(std::uint64_t));
+  control.column_cells = take(std::uint64_t{control.sizes.columns} * kBlockSide_cells * kBlockSide_cells);
   control.rays = take(std::uint64_t{control.sizes.rays} * sizeof(BulkRay));
   control.ray_hits = take(std::uint64_t{control.sizes.rays} * sizeof(BulkHit));
   control.looks = take(std::uint64_t{control.sizes.looks} * sizeof(Look));

@@ -33,6 +33,9 @@ G3D_KERNEL(kParcelThreads, 8) export_blocks_kernel(const Parcels out, std::uint3
 G3D_KERNEL(kParcelThreads, 8) cast_rays_kernel(float resolution_m, std::uint32_t count) {
   cast_rays(Block{}, memory_map, resolution_m, count);
 }
+G3D_KERNEL(kParcelThreads, 8) read_columns_kernel(std::uint32_t first, std::uint32_t room) {
+  read_columns(Block{}, memory_map, first, room);
+}
 G3D_KERNEL(kPixelThreads, 4) mark_looks_kernel(const g3d::mapper::LookModel model, std::uint32_t count) {
   mark_looks(Block{}, memory_map, model, count);
 }

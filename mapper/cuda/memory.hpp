@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "mapper/column_bits.hpp"
 #include "mapper/cuda/frame_params.hpp"
 #include "mapper/look.hpp"
 
@@ -110,6 +111,12 @@ struct Queries {
   Look* looks;        ///< each comes back with its gain
 };
 
+/// Of changed blocks, whoever they are told to: see mapper::ChangedColumns.
+struct Columns {
+  std::uint64_t* keys;  ///< kForgotten: its layer does not matter
+  std::uint8_t* cells;
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;
@@ -152,6 +159,9 @@ struct Memory {
   std::uint32_t* returned_planes;
   std::uint32_t* returned_bricks;
   // Questions
+  ColumnTables* column_tables;
+  std::uint64_t* column_keys;
+  std::uint8_t* column_cells;
   BulkRay* rays;
   BulkHit* ray_hits;
   Look* looks;
@@ -168,8 +178,9 @@ struct MemorySizes {
   std::uint32_t blocks;      ///< capacity of the map
   std::uint32_t planes;
   std::uint32_t bricks;
-  std::uint32_t rays = 0;   ///< cast in one go
-  std::uint32_t looks = 0;  ///< counted in one go
+  std::uint32_t rays = 0;     ///< cast in one go
+  std::uint32_t looks = 0;    ///< counted in one go
+  std::uint32_t columns = 0;  ///< blocks whose columns are read in one go
 };
 
 /// Slots of the hash table: at most half full.
@@ -267,6 +278,9 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   take(m.returned_blocks, s.blocks);
   take(m.returned_planes, s.planes);
   take(m.returned_bricks, s.bricks);
+  take(m.column_tables, 1);
+  take(m.column_keys, s.columns);
+  take(m.column_cells, std::size_t{s.columns} * kBlockSide_cells * kBlockSide_cells);
   take(m.rays, s.rays);
   take(m.ray_hits, s.rays);
   take(m.looks, s.looks);

@@ -22,7 +22,9 @@ Twin::Twin(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::s
       changed_(sensor.max_box_blocks()),
       kept_heads_(sensor.max_box_blocks()),
       kept_planes_(sensor.max_box_blocks()),
-      kept_bricks_(sensor.max_box_blocks() * kBricks) {
+      kept_bricks_(sensor.max_box_blocks() * kBricks),
+      column_keys_(sensor.max_box_blocks()),
+      column_cells_(sensor.max_box_blocks() * kBlockSide_cells * kBlockSide_cells) {
   mirror_.set_journal(&journal_);
 }
 
@@ -31,12 +33,14 @@ Twin::~Twin() { mirror_.set_journal(nullptr); }
 void Twin::set_card(std::shared_ptr<Card> card) {
   card_ = std::move(card);
   card_is_empty_ = true;
+  card_knows_columns_ = false;
 }
 
 bool Twin::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
                  std::uint32_t frame_number, FrameReport& report) {
   changed_count_ = 0;
   on_card_ = 0;
+  column_count_ = 0;
   frame_number_ = frame_number;
   if (!send_changes()) return false;
   FrameInput& input = card_->input();
@@ -56,7 +60,44 @@ bool Twin::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bo
   report.invalid_pixels = static_cast<std::uint32_t>(pixels) - counters.valid - counters.too_near - counters.far;
   report.hit_blocks = counters.records;
   report.refused_blocks = counters.refused;
+  return !column_tables_ || read_columns();
+}
+
+void Twin::follow_columns(const ColumnTables& tables) {
+  column_tables_ = tables;
+  card_knows_columns_ = false;
+  column_bits_ = kCountedBit << 1;
+  for (const auto& row : tables.bits) {
+    for (const std::uint8_t bits : row) column_bits_ |= bits;
+  }
+}
+
+bool Twin::read_columns() {
+  if (card_->column_room() == 0) return false;
+  if (!card_knows_columns_ && !card_->set_columns(*column_tables_)) return false;
+  card_knows_columns_ = true;
+  const std::uint32_t cells = cells_of(*column_tables_);
+  for (std::uint32_t first = 0; first < on_card_; first += card_->column_room()) {
+    if (!card_->read_columns(first)) return false;
+    const std::uint32_t count = std::min(card_->column_room(), on_card_ - first);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const BlockKey key = card_->columns().keys[i];
+      if (key == kForgotten) continue;
+      if (column_layer(*column_tables_, key) < 0 || key >> kKeyBits != 0) return false;
+      std::uint8_t* to = &column_cells_[column_count_ * cells];
+      std::memcpy(to, card_->columns().cells + std::size_t{i} * cells, cells);
+      std::uint8_t all = 0;
+      for (std::uint32_t cell = 0; cell < cells; ++cell) all |= to[cell];
+      if ((all & ~column_bits_) != 0) return false;
+      column_keys_[column_count_++] = key;
+    }
+  }
   return true;
+}
+
+ChangedColumns Twin::changed_columns() const {
+  if (card_ == nullptr || !column_tables_) return {};
+  return {{column_keys_.data(), column_count_}, column_cells_.data(), cells_of(*column_tables_)};
 }
 
 bool Twin::finish(FrameReport& report) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,11 @@ class Twin {
                            std::uint32_t frame_number, FrameReport& report);
   /// The mirror becomes what the card's map is.
   [[nodiscard]] bool finish(FrameReport& report);
+  /// From now on begin() also reads the columns of what changed.
+  void follow_columns(const ColumnTables& tables);
+  /// Between begin() and the next one.
+  [[nodiscard]] ChangedColumns changed_columns() const;
+
   // Questions to the card's map, which is the mirror: not between begin() and finish(). False: the card is lost; what
   // it answered may be incomplete.
   [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
@@ -62,6 +68,7 @@ class Twin {
 
  private:
   [[nodiscard]] bool send_changes();
+  [[nodiscard]] bool read_columns();
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
@@ -85,6 +92,13 @@ class Twin {
   ReservedArray<ParcelPlane> kept_planes_;
   ReservedArray<ParcelBrick> kept_bricks_;
   std::uint32_t kept_ = 0;
+  // Columns, if somebody follows them
+  std::optional<ColumnTables> column_tables_;
+  std::uint8_t column_bits_ = 0;  ///< that a cell may have
+  bool card_knows_columns_ = false;
+  ReservedArray<BlockKey> column_keys_;
+  ReservedArray<std::uint8_t> column_cells_;
+  std::size_t column_count_ = 0;
 };
 
 }  // namespace g3d::mapper::cuda

@@ -23,8 +23,8 @@ constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
 constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",    "walk_image_kernel",
                                          "find_work_kernel",      "update_map_1_kernel",  "update_map_4_kernel",
-                                         "export_classes_kernel", "export_blocks_kernel", "cast_rays_kernel",
-                                         "mark_looks_kernel",     "count_looks_kernel"};
+                                         "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
+                                         "cast_rays_kernel",      "mark_looks_kernel",    "count_looks_kernel"};
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
@@ -63,11 +63,14 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
     export_blocks(block, m, argument<Parcels>(arguments, 0), argument<std::uint32_t>(arguments, 1),
                   argument<std::uint32_t>(arguments, 2));
   }
-  if (kernel == 8) cast_rays(block, m, argument<float>(arguments, 0), argument<std::uint32_t>(arguments, 1));
-  if (kernel == 9) {
+  if (kernel == 8) {
+    read_columns(block, m, argument<std::uint32_t>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  }
+  if (kernel == 9) cast_rays(block, m, argument<float>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  if (kernel == 10) {
     mark_looks(block, m, argument<g3d::mapper::LookModel>(arguments, 0), argument<std::uint32_t>(arguments, 1));
   }
-  if (kernel == 10) count_looks(block, m, argument<std::uint32_t>(arguments, 0));
+  if (kernel == 11) count_looks(block, m, argument<std::uint32_t>(arguments, 0));
 }
 
 bool cannot_map() { return std::getenv("FAKE_CUDA_CANNOT_MAP") != nullptr; }

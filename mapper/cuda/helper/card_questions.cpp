@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions to the map in the card, between frames: copied there, answered by launches as in
-// cuda/kernels/cast_rays.hpp, copied back.
+// Questions to the map in the card, between frames: copied there, answered by launches in cuda/kernels,
+// copied back.
 #include "mapper/cuda/helper/card_session.hpp"
 
 namespace g3d::mapper::cuda {
@@ -10,6 +10,7 @@ constexpr unsigned kRayThreads = 128;  // kParcelThreads, kPixelThreads and kLoo
 constexpr unsigned kLookThreads = 256;
 constexpr unsigned kLookTile = 16;
 constexpr unsigned kWaves = 4;        // shares are smaller than what fits at once: rays differ in length
+constexpr unsigned kNonBlocking = 1;  // CU_STREAM_NON_BLOCKING
 constexpr std::uint64_t kMany = ~0U;  // tasks: as many blocks of threads as make sense
 
 unsigned tiles(unsigned size, unsigned tile) { return (size + tile - 1) / tile; }
@@ -18,23 +19,45 @@ CuDevicePointer at(const void* p) { return static_cast<CuDevicePointer>(reinterp
 }  // namespace
 
 bool CardSession::load_questions(CuHandle module) {
-  constexpr const char* kQuestionNames[kQuestionCount] = {"cast_rays_kernel", "mark_looks_kernel",
-                                                          "count_looks_kernel"};
+  constexpr const char* kQuestionNames[kQuestionCount] = {"read_columns_kernel", "cast_rays_kernel",
+                                                          "mark_looks_kernel", "count_looks_kernel"};
   for (int i = 0; i < kQuestionCount; ++i) {
     if (!check(driver_.module_get_function(&questions_[i], module, kQuestionNames[i]), kQuestionNames[i])) return false;
     int blocks = 0;
-    const int threads = static_cast<int>(i == kCastRays ? kRayThreads : kLookThreads);
+    const int threads = static_cast<int>(i <= kCastRays ? kRayThreads : kLookThreads);
     if (!check(driver_.max_active_blocks(&blocks, questions_[i], threads, 0), kQuestionNames[i])) return false;
     questions_at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }
-  return true;
+  return check(driver_.stream_create(&side_stream_, kNonBlocking), "stream");
 }
 
-bool CardSession::ask(Question question, std::uint64_t tasks, unsigned threads, void** arguments) {
+bool CardSession::ask(Question question, CuHandle stream, std::uint64_t tasks, unsigned threads, void** arguments) {
   const unsigned most = kWaves * questions_at_once_[question];
   const unsigned blocks = tasks < most ? static_cast<unsigned>(tasks) : most;
-  return check(driver_.launch_kernel(questions_[question], blocks, 1, 1, threads, 1, 1, 0, stream_, arguments, nullptr),
+  return check(driver_.launch_kernel(questions_[question], blocks, 1, 1, threads, 1, 1, 0, stream, arguments, nullptr),
                "launch");
+}
+
+bool CardSession::set_columns() {
+  const std::int32_t voxels = control_->column_tables.voxels_per_cell;
+  if (voxels != 1 && voxels != 2 && voxels != 4 && voxels != 8) return false;
+  return check(driver_.copy_to_card(at(memory_.column_tables), &control_->column_tables, sizeof(ColumnTables)),
+               "columns");
+}
+
+bool CardSession::read_columns(std::uint32_t first) {
+  std::uint32_t room = control_->sizes.columns;
+  const std::uint32_t changed = control_->counters.changed;
+  std::uint64_t count = changed > first ? changed - first : 0;
+  if (count > room) count = room;
+  if (count == 0) return false;
+  void* arguments[] = {&first, &room};
+  // Parcels of the frame may still be under way: these need not wait for them.
+  return check(driver_.stream_wait_event(side_stream_, classes_there_, 0), "event") &&
+         check(driver_.event_record(events_[0], side_stream_), "event") &&
+         ask(kReadColumns, side_stream_, (count + 3) / 4, kRayThreads, arguments) && finish_question(side_stream_) &&
+         fetch(control_->column_keys, memory_.column_keys, count * sizeof(std::uint64_t)) &&
+         fetch(control_->column_cells, memory_.column_cells, count * cells_of(control_->column_tables));
 }
 
 bool CardSession::cast_rays(std::uint32_t count) {
@@ -45,7 +68,7 @@ bool CardSession::cast_rays(std::uint32_t count) {
                                           stream_),
                "rays") &&
          check(driver_.event_record(events_[0], stream_), "event") &&
-         ask(kCastRays, tiles(count, kRayThreads), kRayThreads, arguments) && finish_question() &&
+         ask(kCastRays, stream_, tiles(count, kRayThreads), kRayThreads, arguments) && finish_question(stream_) &&
          fetch(control_->ray_hits, memory_.ray_hits, count * sizeof(BulkHit));
 }
 
@@ -62,16 +85,16 @@ bool CardSession::count_looks(std::uint32_t count) {
                                           stream_),
                "looks") &&
          check(driver_.event_record(events_[0], stream_), "event") &&
-         ask(kMarkLooks, marks, kLookThreads, mark_arguments) &&
-         ask(kCountLooks, kMany, kLookThreads, count_arguments) && finish_question() &&
+         ask(kMarkLooks, stream_, marks, kLookThreads, mark_arguments) &&
+         ask(kCountLooks, stream_, kMany, kLookThreads, count_arguments) && finish_question(stream_) &&
          fetch(control_->looks, memory_.looks, count * sizeof(Look));
 }
 
 /// Waits for the answer, and tells what it took.
-bool CardSession::finish_question() {
+bool CardSession::finish_question(CuHandle stream) {
   float ms = 0.0F;
-  const bool ok = check(driver_.event_record(events_[1], stream_), "event") &&
-                  check(driver_.stream_synchronize(stream_), "question") &&
+  const bool ok = check(driver_.event_record(events_[1], stream), "event") &&
+                  check(driver_.stream_synchronize(stream), "question") &&
                   check(driver_.event_elapsed_time(&ms, events_[0], events_[1]), "event");
   control_->stage_us[0] = 1000.0F * ms;
   return ok && fetch(offsetof(HelperControl, refused_imports), &memory_.state->refused_imports, sizeof(std::uint32_t));

@@ -361,6 +361,10 @@ bool CardSession::obey() {
       return run_stages();
     case HelperCommand::send_blocks:
       return send_blocks(control_->count);
+    case HelperCommand::set_columns:
+      return set_columns();
+    case HelperCommand::read_columns:
+      return read_columns(control_->count);
     case HelperCommand::cast_rays:
       return cast_rays(control_->count);
     case HelperCommand::count_looks:

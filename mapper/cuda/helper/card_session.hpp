@@ -16,7 +16,7 @@ class CardSession {
 
  private:
   enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
-  enum Question { kCastRays, kMarkLooks, kCountLooks, kQuestionCount };
+  enum Question { kReadColumns, kCastRays, kMarkLooks, kCountLooks, kQuestionCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
@@ -42,8 +42,10 @@ class CardSession {
   [[nodiscard]] bool import_blocks(std::uint32_t count);
   [[nodiscard]] bool send_blocks(std::uint32_t first);
   /// So many tasks, one block of threads for each; fewer blocks stride over them where they would not fit.
-  [[nodiscard]] bool ask(Question question, std::uint64_t tasks, unsigned threads, void** arguments);
-  [[nodiscard]] bool finish_question();
+  [[nodiscard]] bool ask(Question question, CuHandle stream, std::uint64_t tasks, unsigned threads, void** arguments);
+  [[nodiscard]] bool finish_question(CuHandle stream);
+  [[nodiscard]] bool set_columns();
+  [[nodiscard]] bool read_columns(std::uint32_t first);
   [[nodiscard]] bool cast_rays(std::uint32_t count);
   [[nodiscard]] bool count_looks(std::uint32_t count);
   [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);
@@ -61,6 +63,7 @@ class CardSession {
   CuHandle kernels_[kKernelCount] = {};
   unsigned at_once_[kKernelCount] = {};  ///< blocks of threads that the card runs side by side
   CuHandle questions_[kQuestionCount] = {};
+  CuHandle side_stream_ = nullptr;  ///< beside the frame's
   unsigned questions_at_once_[kQuestionCount] = {};
   CuHandle first_graph_ = nullptr;  ///< a frame up to where it needs colours
   CuHandle last_graph_ = nullptr;

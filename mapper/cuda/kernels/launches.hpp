@@ -10,13 +10,14 @@
 //   export_classes   counters and the changed blocks' classes to the host, which waits for them
 //   export_blocks    changed blocks to the host
 //
-// Between frames, when somebody asks: cast_rays; mark_looks and count_looks.
+// When somebody asks: read_columns after a frame; between frames cast_rays, or mark_looks and count_looks.
 //
 // No launch waits for the host: counts stay on the card, and blocks of threads stride over what there is.
 #pragma once
 
 #include "mapper/cuda/kernels/cast_rays.hpp"
 #include "mapper/cuda/kernels/classes.hpp"
+#include "mapper/cuda/kernels/columns.hpp"
 #include "mapper/cuda/kernels/parcels.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
 

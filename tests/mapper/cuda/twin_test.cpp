@@ -3,6 +3,7 @@
 // nothing.
 #include "mapper/cuda/twin.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <limits>
@@ -64,6 +65,14 @@ class FaultyCard final : public cuda::Card {
     return done && !fails_to_send;
   }
 
+  bool set_columns(const ColumnTables& tables) override { return good_->set_columns(tables) && !fails_to_answer; }
+  bool read_columns(std::uint32_t first) override {
+    const bool done = good_->read_columns(first);
+    if (spoil_columns) spoil_columns(good_->columns());
+    return done && !fails_to_answer;
+  }
+  const cuda::Columns& columns() override { return good_->columns(); }
+  std::uint32_t column_room() const override { return good_->column_room(); }
   const cuda::Queries& queries() override { return good_->queries(); }
   std::uint32_t ray_room() const override { return good_->ray_room(); }
   std::uint32_t look_room() const override { return good_->look_room(); }
@@ -85,6 +94,7 @@ class FaultyCard final : public cuda::Card {
   std::function<void(cuda::FrameCounters&, const cuda::Classes&)> spoil;
   std::function<void(const cuda::Parcels&)> spoil_parcels;
   std::function<void(const cuda::Queries&)> spoil_answers;
+  std::function<void(const cuda::Columns&)> spoil_columns;
 
  private:
   std::shared_ptr<cuda::Card> good_;
@@ -207,6 +217,46 @@ TEST_CASE("a card that fails to answer, or answers what cannot be, is lost") {
     if (fault == lies.size() + 1) emulated.map.clear();  // only an empty card can follow
     const bool both = emulated.twin.cast_rays(rays, hits) && emulated.twin.count_looks(model, looks);
     CHECK_FALSE(both);
+  }
+}
+
+TEST_CASE("a card whose columns fail or cannot be is lost with the frame") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const auto frames = test::random_frames(camera, 2, 12);
+  ColumnTables tables{};
+  tables.first_block_z = 4096 - 20;
+  tables.last_block_z = 4096 + 20;
+  tables.voxels_per_cell = 2;
+  for (auto& layer : tables.kinds) std::fill(std::begin(layer), std::end(layer), std::uint8_t{1});
+  for (std::uint8_t level = 17; level < kColumnLevels; ++level) tables.bits[1][level] = 1;
+  using Lie = std::function<void(const cuda::Columns&)>;
+  const std::vector<Lie> lies{
+      {},
+      [](const cuda::Columns& c) {
+        c.keys[0] = encode({4096, 4096, 4096 + 21});
+      },
+      [](const cuda::Columns& c) { c.keys[1] = BlockKey{1} << 40; },
+      [](const cuda::Columns& c) {
+        c.keys[0] = encode({4096, 4096, 4096});
+        c.cells[15] = 2;
+      },
+  };
+  for (std::size_t fault = 0; fault < lies.size() + 1; ++fault) {
+    INFO("fault " << fault);
+    test::EmulatedMapper emulated(small_config(), camera, 12);
+    auto faulty = std::make_shared<FaultyCard>(emulated.card);
+    emulated.twin.set_card(faulty);
+    emulated.twin.follow_columns(tables);
+    (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
+    CHECK_FALSE(emulated.twin.changed_columns().keys.empty());
+    if (fault < lies.size()) faulty->spoil_columns = lies[fault];
+    faulty->fails_to_answer = fault == lies.size();
+    const std::string before = map_hash(emulated.map);
+    FrameReport report;
+    const auto geometry = cpu::frame_geometry(emulated.sensor, hal::to_transform(frames[1].T_world_camera));
+    REQUIRE(geometry);
+    CHECK(emulated.twin.integrate(frames[1].frame, *geometry, true, 2, report) == (fault == 0));
+    CHECK((map_hash(emulated.map) == before) == (fault != 0));
   }
 }
 

@@ -22,6 +22,11 @@ TEST_CASE("more questions than there is room for are refused, and none, and look
   mapper::LookModel model{0.05F, 0.8F, 3.5F, 32, 24, 1};
   CHECK(helper->count_looks(2, model));
   CHECK_FALSE(helper->count_looks(3, model));
+  mapper::ColumnTables tables{};
+  CHECK_FALSE(helper->set_columns(tables));  // no cells
+  tables.voxels_per_cell = 4;
+  CHECK(helper->set_columns(tables));
+  CHECK_FALSE(helper->read_columns(0));  // there was no frame
   model.stride_px = 0;
   CHECK_FALSE(helper->count_looks(1, model));
 }
