@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Questions to a map in a card, on a machine that has one: the CPU twin's answers bit by bit, and in how much time. The
 // map is that of the simulated drive; `scripts/gpu-test` makes a bundle of it.
-//   gpu_query_bench [--frames N] [--resolution METRES]... [--what rays|looks]... [--poses N] [--times N]
+//   gpu_query_bench [--frames N] [--resolution METRES]... [--what rays|looks|ground]... [--poses N] [--times N]
 // equal: random rays, and views and looks from random poses near the drive's. time: medians over N times; wall clock
 // from the question to its answer in the program's memory, of that the launches alone, and the CPU twin on one core.
+// ground: the ground map from columns that the card has read, frame by frame, and from the mirror's voxels.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include "mapper/cuda/helper_process.hpp"
 #include "mapper/cuda/twin.hpp"
 #include "mapper/mapper.hpp"
+#include "nav/ground_map.hpp"
 #include "tests/support/bulk_rays.hpp"
 #include "tests/support/workload.hpp"
 
@@ -61,21 +63,20 @@ struct Rig {
       ++failures;
       return;
     }
-    std::uint32_t number = 0;
-    for (const auto& [frame, pose] : work.frames) {
-      FrameReport report;
-      const auto geometry = cpu::frame_geometry(sensor, hal::to_transform(pose));
-      if (!geometry || !twin.integrate(frame, *geometry, frame.has_colour, ++number, report)) {
-        fmt::print("frame {} failed: {}\n", number, helper->problem());
-        ++failures;
-      }
-      poses.push_back(pose);
-    }
+    for (const auto& [frame, pose] : work.frames) poses.push_back(pose);
+  }
+  void begin(const test::PosedImage& image) {
+    const auto geometry = cpu::frame_geometry(sensor, hal::to_transform(image.T_world_camera));
+    check(geometry && twin.begin(image.frame, *geometry, image.frame.has_colour, ++frame_number, report));
+  }
+  void integrate(const test::PosedImage& image) {
+    begin(image);
+    check(twin.finish(report));
   }
   [[nodiscard]] double card_us() const { return static_cast<double>(helper->stages_us()[0]); }
   void check(bool answered) {
     if (answered) return;
-    fmt::print("a question failed: {}\n", helper->problem());
+    fmt::print("the card failed: {}\n", helper->problem());
     ++failures;
   }
 
@@ -87,6 +88,8 @@ struct Rig {
   cpu::ThreadPool one_core{1};
   std::shared_ptr<cuda::HelperProcess> helper;
   std::vector<hal::Pose> poses;
+  FrameReport report;
+  std::uint32_t frame_number = 0;
 };
 
 /// Near a pose of the drive, turned a little.
@@ -228,6 +231,46 @@ void looks_time(Rig& rig, int times) {
   }
 }
 
+void ground(const MapperConfig& config, const test::Workload& work) {
+  Rig rig(config, work);
+  if (!rig.twin.has_card()) return;
+  nav::GroundMapConfig ground_config;
+  ground_config.max_slots = config.capacity.blocks;
+  nav::GroundMap from_card(rig.map.grid(), ground_config);
+  nav::GroundMap from_voxels(rig.map.grid(), ground_config);
+  rig.twin.follow_columns(from_card.column_tables());
+  std::vector<double> read_us;
+  std::vector<double> card_us;
+  std::vector<double> told_us;
+  std::vector<double> voxels_us;
+  std::vector<double> changed;
+  std::size_t different = 0;
+  for (const test::PosedImage& image : work.frames) {
+    rig.begin(image);
+    const double start_us = now_us();
+    rig.check(rig.helper->read_columns(0));  // once more, alone
+    read_us.push_back(now_us() - start_us);
+    card_us.push_back(rig.card_us());
+    const double told_start_us = now_us();
+    from_card.update(rig.twin.changed_columns());
+    told_us.push_back(now_us() - told_start_us);
+    rig.check(rig.twin.finish(rig.report));
+    from_card.note_slots(rig.map, rig.twin.changed_slots());
+    const double voxels_start_us = now_us();
+    from_voxels.update(rig.map, rig.twin.changed_slots());
+    voxels_us.push_back(now_us() - voxels_start_us);
+    changed.push_back(static_cast<double>(rig.twin.changed_slots().size()));
+    different += from_card.states().cells == from_voxels.states().cells ? 0 : 1;
+  }
+  print_equal(rig, "ground maps", work.frames.size(), different);
+  fmt::print(
+      "time    ground map {:.3f} m, {:.0f} changed blocks: columns read in {:.0f} us, launch alone {:.0f} us, taken "
+      "over "
+      "in {:.0f} us; from the mirror's voxels {:.0f} us\n",
+      config.resolution_m, median(changed), median(read_us), median(card_us), median(told_us), median(voxels_us));
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -246,7 +289,7 @@ int main(int argc, char** argv) {
     if (name == "--resolution") resolutions_m.push_back(static_cast<float>(std::atof(value.c_str())));
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
-  if (what.empty()) what = {"rays", "looks"};
+  if (what.empty()) what = {"rays", "looks", "ground"};
   const test::Workload work = test::simulated_drive("furnished_room", frames, 60.0 / frames);
   if (work.frames.empty() || poses < 1 || times < 1) {
     fmt::print(stderr, "gpu_query_bench: no frames, poses or times\n");
@@ -258,6 +301,7 @@ int main(int argc, char** argv) {
     config.capacity = capacity_for_bytes(std::size_t{1024} << 20);
     Rig rig(config, work);
     if (!rig.twin.has_card()) break;
+    for (const test::PosedImage& image : work.frames) rig.integrate(image);
     for (const std::string& one : what) {
       if (one == "rays") {
         rays_equal(rig, poses);
@@ -267,6 +311,7 @@ int main(int argc, char** argv) {
         looks_equal(rig, poses);
         looks_time(rig, times);
       }
+      if (one == "ground") ground(config, work);
     }
   }
   fmt::print("{} failures\n", failures);
