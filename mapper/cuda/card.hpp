@@ -48,6 +48,11 @@ class Card {
   virtual bool cast_rays(std::uint32_t count, float resolution_m) = 0;
   /// The gains must be zero.
   virtual bool count_looks(std::uint32_t count, const LookModel& model) = 0;
+
+  // At any time; ask_grid.hpp knows how
+  [[nodiscard]] virtual const GridQuestion& grid_question() = 0;
+  [[nodiscard]] virtual std::uint32_t grid_room() const = 0;
+  virtual bool spread_grid() = 0;
 };
 
 }  // namespace g3d::mapper::cuda

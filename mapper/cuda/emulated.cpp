@@ -47,6 +47,7 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
   parcels_ = {heads_.data(), planes_.data(), bricks_.data()};
   classes_ = {class_heads_.data(), class_planes_.data()};
   queries_ = {memory_.rays, memory_.ray_hits, memory_.looks};
+  grid_question_ = {memory_.spread, memory_.grid_costs, memory_.grid_distances};
   columns_ = {memory_.column_keys, memory_.column_cells};
 }
 
@@ -120,6 +121,14 @@ bool Emulated::count_looks(std::uint32_t count, const LookModel& model) {
   launch(5, kPixelThreads, [&](const Block& block) { mark_looks(block, memory_, model, count); });
   launch(7, kPixelThreads, [&](const Block& block) { cuda::count_looks(block, memory_, count); });
   return memory_.state->refused_imports == 0;
+}
+
+bool Emulated::spread_grid() {
+  launch(3, kPixelThreads, [&](const Block& block) { begin_spread(block, memory_); });
+  for (std::uint32_t round = 0; memory_.awake_counts[round % 3] != 0; ++round) {
+    launch(5, kPixelThreads, [&](const Block& block) { spread_round(block, memory_, round); });
+  }
+  return true;
 }
 
 }  // namespace g3d::mapper::cuda

@@ -38,6 +38,9 @@ class Emulated final : public Card {
   [[nodiscard]] std::uint32_t look_room() const override { return sizes_.looks; }
   bool cast_rays(std::uint32_t count, float resolution_m) override;
   bool count_looks(std::uint32_t count, const LookModel& model) override;
+  [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
+  [[nodiscard]] std::uint32_t grid_room() const override { return sizes_.grid_cells; }
+  bool spread_grid() override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }
 
@@ -60,6 +63,7 @@ class Emulated final : public Card {
   Classes classes_{};
   Queries queries_{};
   Columns columns_{};
+  GridQuestion grid_question_{};
 };
 
 }  // namespace g3d::mapper::cuda

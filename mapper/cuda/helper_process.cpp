@@ -82,6 +82,7 @@ void HelperProcess::fill(const HelperSetup& setup) {
   class_room_ = setup.class_room;
   ray_room_ = setup.sizes.rays;
   look_room_ = setup.sizes.looks;
+  grid_room_ = setup.sizes.grid_cells;
   column_room_ = setup.sizes.columns;
   patience_ns_ = setup.patience_ns;
   std::memcpy(at<char>(control_->program), setup.kernels.data(), setup.kernels.size());
@@ -98,6 +99,8 @@ void HelperProcess::fill(const HelperSetup& setup) {
             at<std::uint16_t>(control_->sensor + offset(zero_based.mask) - first));
   parcels_ = {at<ParcelHead>(control_->heads), at<ParcelPlane>(control_->planes), at<ParcelBrick>(control_->bricks)};
   classes_ = {at<ClassHead>(control_->class_heads), at<ClassPlane>(control_->class_planes)};
+  grid_question_ = {at<GridSpread>(control_->spread), at<std::uint8_t>(control_->grid_costs),
+                    at<std::uint32_t>(control_->grid_distances)};
   columns_ = {at<std::uint64_t>(control_->column_keys), at<std::uint8_t>(control_->column_cells)};
   queries_ = {at<BulkRay>(control_->rays), at<BulkHit>(control_->ray_hits), at<Look>(control_->looks)};
 }
@@ -222,6 +225,8 @@ bool HelperProcess::set_columns(const ColumnTables& tables) {
 }
 
 bool HelperProcess::read_columns(std::uint32_t first) { return ask(HelperCommand::read_columns, first, patience_ns_); }
+
+bool HelperProcess::spread_grid() { return ask(HelperCommand::spread_grid, 0, kQuestionPatience * patience_ns_); }
 
 bool HelperProcess::cast_rays(std::uint32_t count, float resolution_m) {
   control_->look_model.resolution_m = resolution_m;

@@ -70,6 +70,10 @@ class HelperProcess final : public Card {
   bool cast_rays(std::uint32_t count, float resolution_m) override;
   bool count_looks(std::uint32_t count, const LookModel& model) override;
 
+  [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
+  [[nodiscard]] std::uint32_t grid_room() const override { return grid_room_; }
+  bool spread_grid() override;
+
   /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.
   void set_frame_command(HelperCommand command) { frame_command_ = command; }
   [[nodiscard]] std::span<const float, kStages> stages_us() const {
@@ -104,6 +108,7 @@ class HelperProcess final : public Card {
   std::uint32_t class_room_ = 0;
   std::uint32_t ray_room_ = 0;
   std::uint32_t column_room_ = 0;
+  std::uint32_t grid_room_ = 0;
   std::uint32_t look_room_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
@@ -111,6 +116,7 @@ class HelperProcess final : public Card {
   Classes classes_{};
   Queries queries_{};
   Columns columns_{};
+  GridQuestion grid_question_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

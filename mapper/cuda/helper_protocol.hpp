@@ -28,6 +28,7 @@ enum class HelperCommand : std::uint32_t {
   read_columns,      ///< from number `count` on; time as for rays
   cast_rays,         ///< `count` of them; stage_us[0] is the time of the launch, as for looks
   count_looks,       ///< `count` of them
+  spread_grid,       ///< time as for rays
   hang,              ///< for tests: never answers
 };
 
@@ -48,6 +49,7 @@ struct HelperControl {
   FrameCounters counters;  ///< by the card
   ColumnTables column_tables;
   LookModel look_model;           ///< of the questions; for rays its resolution alone counts
+  std::uint32_t awake_tiles;      ///< of a grid; by the card
   std::uint32_t refused_imports;  ///< as of the last question; by the card
   // Offsets in bytes from here
   std::uint64_t program;  ///< PTX, zero-terminated
@@ -57,6 +59,9 @@ struct HelperControl {
   std::uint64_t sensor_bytes;
   std::uint64_t column_keys;
   std::uint64_t column_cells;
+  std::uint64_t spread;
+  std::uint64_t grid_costs;
+  std::uint64_t grid_distances;
   std::uint64_t rays;
   std::uint64_t ray_hits;
   std::uint64_t looks;
@@ -94,6 +99,9 @@ struct HelperControl {
   control.sensor = take(control.sensor_bytes);
   control.column_keys = take(std::uint64_t{control.sizes.columns} * sizeof(std::uint64_t));
   control.column_cells = take(std::uint64_t{control.sizes.columns} * kBlockSide_cells * kBlockSide_cells);
+  control.spread = take(sizeof(GridSpread));
+  control.grid_costs = take(control.sizes.grid_cells);
+  control.grid_distances = take(std::uint64_t{control.sizes.grid_cells} * sizeof(std::uint32_t));
   control.rays = take(std::uint64_t{control.sizes.rays} * sizeof(BulkRay));
   control.ray_hits = take(std::uint64_t{control.sizes.rays} * sizeof(BulkHit));
   control.looks = take(std::uint64_t{control.sizes.looks} * sizeof(Look));

@@ -39,4 +39,6 @@ G3D_KERNEL(kParcelThreads, 8) read_columns_kernel(std::uint32_t first, std::uint
 G3D_KERNEL(kPixelThreads, 4) mark_looks_kernel(const g3d::mapper::LookModel model, std::uint32_t count) {
   mark_looks(Block{}, memory_map, model, count);
 }
+G3D_KERNEL(kPixelThreads, 4) begin_spread_kernel() { begin_spread(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) spread_round_kernel(std::uint32_t round) { spread_round(Block{}, memory_map, round); }
 G3D_KERNEL(kPixelThreads, 4) count_looks_kernel(std::uint32_t count) { count_looks(Block{}, memory_map, count); }

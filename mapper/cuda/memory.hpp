@@ -9,6 +9,7 @@
 
 #include "mapper/column_bits.hpp"
 #include "mapper/cuda/frame_params.hpp"
+#include "mapper/grid_spread.hpp"
 #include "mapper/look.hpp"
 
 namespace g3d::mapper::cuda {
@@ -117,6 +118,13 @@ struct Columns {
   std::uint8_t* cells;
 };
 
+/// A question about a grid, and its answer.
+struct GridQuestion {
+  GridSpread* spread;
+  std::uint8_t* costs;
+  std::uint32_t* distances;  ///< kNotReached, or at most max_cost
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;
@@ -165,8 +173,13 @@ struct Memory {
   BulkRay* rays;
   BulkHit* ray_hits;
   Look* looks;
-  std::uint32_t seen_stride;  ///< words of one look
-  std::uint32_t* seen;        ///< a bit for each voxel of a look's box. Zero between questions
+  GridSpread* spread;
+  std::uint8_t* grid_costs;
+  std::uint32_t* grid_distances;
+  std::uint32_t* awake[2];      ///< 1 for tiles to look at, of two rounds in turn
+  std::uint32_t* awake_counts;  ///< of three rounds in turn
+  std::uint32_t seen_stride;    ///< words of one look
+  std::uint32_t* seen;          ///< a bit for each voxel of a look's box. Zero between questions
 };
 
 /// What the sizes of all arrays follow from.
@@ -178,9 +191,10 @@ struct MemorySizes {
   std::uint32_t blocks;      ///< capacity of the map
   std::uint32_t planes;
   std::uint32_t bricks;
-  std::uint32_t rays = 0;     ///< cast in one go
-  std::uint32_t looks = 0;    ///< counted in one go
-  std::uint32_t columns = 0;  ///< blocks whose columns are read in one go
+  std::uint32_t rays = 0;        ///< cast in one go
+  std::uint32_t looks = 0;       ///< counted in one go
+  std::uint32_t columns = 0;     ///< blocks whose columns are read in one go
+  std::uint32_t grid_cells = 0;  ///< of the largest grid that is asked about; 0: none is
 };
 
 /// Slots of the hash table: at most half full.
@@ -284,6 +298,11 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   take(m.rays, s.rays);
   take(m.ray_hits, s.rays);
   take(m.looks, s.looks);
+  take(m.spread, 1);
+  take(m.grid_costs, s.grid_cells);
+  take(m.grid_distances, s.grid_cells);
+  for (auto& awake : m.awake) take(awake, s.grid_cells / 8 + 4);  // tiles of the narrowest grid
+  take(m.awake_counts, 3);
   m.seen_stride = s.box_blocks * kSeenWords;
   take(m.seen, std::size_t{s.looks} * m.seen_stride);
   take(m.hits, records * kVoxels);  // last: the only array that does not begin as zeros

@@ -24,11 +24,12 @@ constexpr int kNotFound = 500;
 constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",    "walk_image_kernel",
                                          "find_work_kernel",      "update_map_1_kernel",  "update_map_4_kernel",
                                          "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
-                                         "cast_rays_kernel",      "mark_looks_kernel",    "count_looks_kernel"};
+                                         "cast_rays_kernel",      "mark_looks_kernel",    "count_looks_kernel",
+                                         "begin_spread_kernel",   "spread_round_kernel"};
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
-char handles[16];
+char handles[32];
 
 CuHandle handle(std::size_t number) { return reinterpret_cast<CuHandle>(handles + number); }
 void* host(CuDevicePointer p) { return reinterpret_cast<void*>(p); }
@@ -71,6 +72,8 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
     mark_looks(block, m, argument<g3d::mapper::LookModel>(arguments, 0), argument<std::uint32_t>(arguments, 1));
   }
   if (kernel == 11) count_looks(block, m, argument<std::uint32_t>(arguments, 0));
+  if (kernel == 12) begin_spread(block, m);
+  if (kernel == 13) spread_round(block, m, argument<std::uint32_t>(arguments, 0));
 }
 
 bool cannot_map() { return std::getenv("FAKE_CUDA_CANNOT_MAP") != nullptr; }

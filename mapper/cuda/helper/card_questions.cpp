@@ -9,6 +9,8 @@ namespace {
 constexpr unsigned kRayThreads = 128;  // kParcelThreads, kPixelThreads and kLookTile of the kernels
 constexpr unsigned kLookThreads = 256;
 constexpr unsigned kLookTile = 16;
+constexpr unsigned kSpreadTile = 32;
+constexpr std::uint32_t kRoundsTogether = 16;
 constexpr unsigned kWaves = 4;        // shares are smaller than what fits at once: rays differ in length
 constexpr unsigned kNonBlocking = 1;  // CU_STREAM_NON_BLOCKING
 constexpr std::uint64_t kMany = ~0U;  // tasks: as many blocks of threads as make sense
@@ -20,7 +22,8 @@ CuDevicePointer at(const void* p) { return static_cast<CuDevicePointer>(reinterp
 
 bool CardSession::load_questions(CuHandle module) {
   constexpr const char* kQuestionNames[kQuestionCount] = {"read_columns_kernel", "cast_rays_kernel",
-                                                          "mark_looks_kernel", "count_looks_kernel"};
+                                                          "mark_looks_kernel",   "count_looks_kernel",
+                                                          "begin_spread_kernel", "spread_round_kernel"};
   for (int i = 0; i < kQuestionCount; ++i) {
     if (!check(driver_.module_get_function(&questions_[i], module, kQuestionNames[i]), kQuestionNames[i])) return false;
     int blocks = 0;
@@ -88,6 +91,37 @@ bool CardSession::count_looks(std::uint32_t count) {
          ask(kMarkLooks, stream_, marks, kLookThreads, mark_arguments) &&
          ask(kCountLooks, stream_, kMany, kLookThreads, count_arguments) && finish_question(stream_) &&
          fetch(control_->looks, memory_.looks, count * sizeof(Look));
+}
+
+/// Launches without work cost little, waiting for the card more: rounds go out in batches.
+bool CardSession::spread_grid() {
+  const GridSpread& asked = *shared<const GridSpread>(control_->spread);
+  const auto columns = static_cast<std::uint64_t>(asked.columns);
+  const auto rows = static_cast<std::uint64_t>(asked.rows);
+  if (asked.columns < 1 || asked.rows < 1 || columns * rows > control_->sizes.grid_cells) return false;
+  const std::uint64_t cells = columns * rows;
+  const std::uint64_t tile_count = std::uint64_t{tiles(static_cast<unsigned>(asked.columns), kSpreadTile)} *
+                                   tiles(static_cast<unsigned>(asked.rows), kSpreadTile);
+  if (!check(driver_.copy_to_card_async(at(memory_.spread), &asked, sizeof asked, stream_), "grid") ||
+      !check(driver_.copy_to_card_async(at(memory_.grid_costs), shared<char>(control_->grid_costs), cells, stream_),
+             "grid") ||
+      !check(driver_.event_record(events_[0], stream_), "event") ||
+      !ask(kBeginSpread, stream_, tile_count, kLookThreads, nullptr)) {
+    return false;
+  }
+  std::uint32_t round = 0;
+  do {
+    if (round > cells) return false;  // no grid needs so many
+    for (std::uint32_t i = 0; i < kRoundsTogether; ++i, ++round) {
+      void* arguments[] = {&round};
+      if (!ask(kSpreadRound, stream_, tile_count, kLookThreads, arguments)) return false;
+    }
+    if (!finish_question(stream_) ||
+        !fetch(offsetof(HelperControl, awake_tiles), memory_.awake_counts + round % 3, sizeof(std::uint32_t))) {
+      return false;
+    }
+  } while (control_->awake_tiles != 0);
+  return fetch(control_->grid_distances, memory_.grid_distances, cells * sizeof(std::uint32_t));
 }
 
 /// Waits for the answer, and tells what it took.

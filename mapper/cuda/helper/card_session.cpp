@@ -365,6 +365,8 @@ bool CardSession::obey() {
       return set_columns();
     case HelperCommand::read_columns:
       return read_columns(control_->count);
+    case HelperCommand::spread_grid:
+      return spread_grid();
     case HelperCommand::cast_rays:
       return cast_rays(control_->count);
     case HelperCommand::count_looks:

@@ -16,7 +16,7 @@ class CardSession {
 
  private:
   enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
-  enum Question { kReadColumns, kCastRays, kMarkLooks, kCountLooks, kQuestionCount };
+  enum Question { kReadColumns, kCastRays, kMarkLooks, kCountLooks, kBeginSpread, kSpreadRound, kQuestionCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
@@ -46,6 +46,7 @@ class CardSession {
   [[nodiscard]] bool finish_question(CuHandle stream);
   [[nodiscard]] bool set_columns();
   [[nodiscard]] bool read_columns(std::uint32_t first);
+  [[nodiscard]] bool spread_grid();
   [[nodiscard]] bool cast_rays(std::uint32_t count);
   [[nodiscard]] bool count_looks(std::uint32_t count);
   [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);

@@ -10,7 +10,8 @@
 //   export_classes   counters and the changed blocks' classes to the host, which waits for them
 //   export_blocks    changed blocks to the host
 //
-// When somebody asks: read_columns after a frame; between frames cast_rays, or mark_looks and count_looks.
+// When somebody asks: read_columns after a frame; between frames cast_rays, or mark_looks and count_looks;
+// at any time begin_spread, and spread_round again and again.
 //
 // No launch waits for the host: counts stay on the card, and blocks of threads stride over what there is.
 #pragma once
@@ -19,6 +20,7 @@
 #include "mapper/cuda/kernels/classes.hpp"
 #include "mapper/cuda/kernels/columns.hpp"
 #include "mapper/cuda/kernels/parcels.hpp"
+#include "mapper/cuda/kernels/spread_grid.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
 
 namespace g3d::mapper::cuda {

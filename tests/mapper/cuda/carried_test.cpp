@@ -20,9 +20,10 @@ TEST_CASE("the executable carries a helper program and kernels that a TX2's driv
   CHECK(kernels.find(".version 6.3\n") != std::string_view::npos);
   CHECK(kernels.find(".target sm_62\n") != std::string_view::npos);
   CHECK(kernels.find(".address_size 64\n") != std::string_view::npos);
-  for (const char* name : {"import_blocks_kernel", "read_image_kernel", "walk_image_kernel", "find_work_kernel",
-                           "update_map_1_kernel", "update_map_4_kernel", "export_blocks_kernel", "read_columns_kernel",
-                           "cast_rays_kernel", "mark_looks_kernel", "count_looks_kernel"}) {
+  for (const char* name :
+       {"import_blocks_kernel", "read_image_kernel", "walk_image_kernel", "find_work_kernel", "update_map_1_kernel",
+        "update_map_4_kernel", "export_blocks_kernel", "read_columns_kernel", "cast_rays_kernel", "mark_looks_kernel",
+        "count_looks_kernel", "begin_spread_kernel", "spread_round_kernel"}) {
     CHECK(kernels.find(std::string(".visible .entry ") + name + "(") != std::string_view::npos);
   }
 }

@@ -73,6 +73,9 @@ class FaultyCard final : public cuda::Card {
   }
   const cuda::Columns& columns() override { return good_->columns(); }
   std::uint32_t column_room() const override { return good_->column_room(); }
+  const cuda::GridQuestion& grid_question() override { return good_->grid_question(); }
+  std::uint32_t grid_room() const override { return good_->grid_room(); }
+  bool spread_grid() override { return good_->spread_grid() && !fails_to_answer; }
   const cuda::Queries& queries() override { return good_->queries(); }
   std::uint32_t ray_room() const override { return good_->ray_room(); }
   std::uint32_t look_room() const override { return good_->look_room(); }
