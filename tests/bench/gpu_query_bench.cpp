@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Questions to a map in a card, on a machine that has one: the CPU twin's answers bit by bit, and in how much time. The
 // map is that of the simulated drive; `scripts/gpu-test` makes a bundle of it.
-//   gpu_query_bench [--frames N] [--resolution METRES]... [--what rays|looks|ground]... [--poses N] [--times N]
+//   gpu_query_bench [--frames N] [--resolution METRES]... [--what rays|looks|ground|grid]... [--poses N] [--times N]
 // equal: random rays, and views and looks from random poses near the drive's. time: medians over N times; wall clock
 // from the question to its answer in the program's memory, of that the launches alone, and the CPU twin on one core.
 // ground: the ground map from columns that the card has read, frame by frame, and from the mirror's voxels.
+// grid: travel costs over 1000 x 1000 cells from random starts, an office floor and an open one; Dijkstra on one core.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,12 +18,16 @@
 
 #include "hal/clock.hpp"
 #include "mapper/cpu/bulk_rays.hpp"
+#include "mapper/cuda/ask_grid.hpp"
 #include "mapper/cuda/carried.hpp"
 #include "mapper/cuda/helper_process.hpp"
 #include "mapper/cuda/twin.hpp"
 #include "mapper/mapper.hpp"
+#include "nav/distance_field.hpp"
 #include "nav/ground_map.hpp"
+#include "nav/inflation.hpp"
 #include "tests/support/bulk_rays.hpp"
+#include "tests/support/floor_plans.hpp"
 #include "tests/support/workload.hpp"
 
 using namespace g3d;
@@ -30,6 +35,7 @@ using namespace g3d::mapper;
 
 namespace {
 
+constexpr int kGridSide = 1000;
 int failures = 0;
 
 double now_us() { return static_cast<double>(hal::RealClock().now()) * 1e-3; }
@@ -49,9 +55,11 @@ struct Rig {
         twin(settings, sensor, {}, map),
         counter(sensor) {
     std::string problem;
+    cuda::MemorySizes sizes = twin.builder().sizes();
+    sizes.grid_cells = kGridSide * kGridSide;
     helper = cuda::HelperProcess::start({.program = cuda::carried_helper(),
                                          .kernels = cuda::carried_kernels(),
-                                         .sizes = twin.builder().sizes(),
+                                         .sizes = sizes,
                                          .column_slope = sensor.column_slope,
                                          .row_slope = sensor.row_slope,
                                          .mask = twin.builder().mask(),
@@ -271,6 +279,43 @@ void ground(const MapperConfig& config, const test::Workload& work) {
   std::fflush(stdout);
 }
 
+void grid(Rig& rig, int times) {
+  nav::CellGrid<std::uint8_t> open(0.05, 0.0, 0.0, kGridSide, kGridSide, nav::kFreeCost);
+  const nav::CellGrid<nav::CellState> office = tests::office_floor(2, kGridSide);
+  nav::Inflation inflation(office, {});
+  inflation.rebuild(office);
+  for (const bool is_open : {false, true}) {
+    const nav::CellGrid<std::uint8_t>& cost = is_open ? open : inflation.cost();
+    nav::DistanceField field(cost.cells.size());
+    tests::Random random(51);
+    std::vector<double> wall_us;
+    std::vector<double> card_us;
+    std::vector<double> cpu_us;
+    std::vector<double> reached;
+    std::size_t different = 0;
+    std::vector<std::uint32_t> distances(cost.cells.size());
+    const auto cells = static_cast<std::uint32_t>(cost.cells.size());
+    for (int i = 0; i < times; ++i) {
+      nav::Cell start = cost.cell(random.below(cells));
+      while (cost.at(start) != nav::kFreeCost) start = cost.cell(random.below(cells));
+      const double start_us = now_us();
+      rig.check(cuda::ask_grid(*rig.helper, nav::spread_of(cost, start), cost.cells, distances));
+      const double half_us = now_us();
+      field.compute(cost, start);
+      cpu_us.push_back(now_us() - half_us);
+      wall_us.push_back(half_us - start_us);
+      card_us.push_back(rig.card_us());
+      reached.push_back(static_cast<double>(field.reached().size()));
+      for (std::uint32_t c = 0; c < cells; ++c) different += distances[c] != field.cost_to(c) ? 1 : 0;
+    }
+    print_equal(rig, is_open ? "cells of an open floor" : "cells of an office", cost.cells.size() * reached.size(),
+                different);
+    fmt::print("time    travel costs of {:.0f} cells: {:.0f} us, launches {:.0f} us, Dijkstra {:.0f} us\n",
+               median(reached), median(wall_us), median(card_us), median(cpu_us));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -289,7 +334,7 @@ int main(int argc, char** argv) {
     if (name == "--resolution") resolutions_m.push_back(static_cast<float>(std::atof(value.c_str())));
   }
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
-  if (what.empty()) what = {"rays", "looks", "ground"};
+  if (what.empty()) what = {"rays", "looks", "ground", "grid"};
   const test::Workload work = test::simulated_drive("furnished_room", frames, 60.0 / frames);
   if (work.frames.empty() || poses < 1 || times < 1) {
     fmt::print(stderr, "gpu_query_bench: no frames, poses or times\n");
@@ -312,6 +357,7 @@ int main(int argc, char** argv) {
         looks_time(rig, times);
       }
       if (one == "ground") ground(config, work);
+      if (one == "grid" && resolution_m == resolutions_m.front()) grid(rig, times);
     }
   }
   fmt::print("{} failures\n", failures);
