@@ -64,7 +64,7 @@ $(PTX): mapper/cuda/kernels.cu
 	@mkdir -p $(@D)
 	$(SAY) $@
 	$(Q)$(if $(PTX_CLANG),$(PTX_CLANG) $(PTX_FLAGS) -MMD -MP -MT $@ -MF $@.d -o $@ $<,: >$@)
-$(HELPER): $(HELPER_SRC) mapper/cuda/helper/driver.hpp mapper/cuda/helper/card_session.hpp mapper/cuda/helper_protocol.hpp \
+$(HELPER): $(HELPER_SRC) $(wildcard mapper/cuda/helper/*.hpp) mapper/cuda/helper_protocol.hpp \
   mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp
 	@mkdir -p $(@D)
 	$(SAY) $@
