@@ -2,10 +2,10 @@
 // What a card does, on a machine that has one: the same map as the CPU twin after every frame, in how much time, and
 // what a killed helper costs. `scripts/gpu-test` makes a bundle of it.
 //   gpu_bench [--log FOLDER] [--frames N] [--resolution METRES]... [--integrator NAME]... [--mode static|dynamic]...
-//             [--what equal|time|repeat|kill]... [--times N] [--processors N]...
-// equal: hashes of both maps after each frame. time: medians over the frames, first pass and revisit, on so many of the
-// card's multiprocessors (0: all). repeat: N runs, each with a new helper. kill: N kills of the helper at random
-// moments; the map must be that of the undisturbed run.
+//             [--what equal|time|growth|repeat|kill]... [--times N] [--processors N]...
+// equal: hashes of both maps after each frame. time: medians over the frames, first pass and revisit, on N of the
+// card's multiprocessors (0: all). growth: frames in a map of more than a hundred million voxels. repeat: N runs, each
+// with a new helper. kill: N kills of the helper at random moments; the map must be that of the undisturbed run.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -22,6 +22,7 @@
 #include "hal/clock.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
+#include "tests/bench/gpu_growth.hpp"
 #include "tests/bench/gpu_rig.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/workload.hpp"
@@ -246,6 +247,7 @@ int main(int argc, char** argv) {
           for (const std::uint32_t n : processors) {
             if (one == "time") measure(config, work, n);
           }
+          if (one == "growth") bench::measure_growth(config, work);
           if (one == "repeat") repeat(config, work, times);
           if (one == "kill") kill_often(config, work, times);
         }
