@@ -201,8 +201,15 @@ bool HelperProcess::ask(HelperCommand command, std::uint32_t count, hal::TimeNs 
   return post(command, count) && wait_answer(patience_ns);
 }
 
+bool HelperProcess::end(hal::TimeNs patience_ns) {
+  const hal::TimeNs end_ns = clock_.now() + patience_ns;
+  if (!ask(HelperCommand::end, 0, patience_ns)) return false;
+  while (!has_ended() && clock_.now() < end_ns) clock_.sleep_until(clock_.now() + kLook_ns);
+  return has_ended();
+}
+
 bool HelperProcess::import_blocks(std::uint32_t count) {
-  return ask(HelperCommand::import_blocks, count, kImportPatience_ns);
+  return ask(HelperCommand::import_blocks, count, std::max(kImportPatience_ns, patience_ns_));
 }
 
 bool HelperProcess::begin_frame() { return post(frame_command_, 0); }

@@ -50,6 +50,8 @@ class HelperProcess final : public Card {
   /// What was wanted and is not to be had; empty if nothing.
   [[nodiscard]] std::string note() const;
   [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Has the process end by itself, and waits until it has. False: it takes longer.
+  bool end(hal::TimeNs patience_ns);
   /// Ends the process without waiting for it: the system may need long to take a card from it.
   void abandon() { waits_for_end_ = false; }
 

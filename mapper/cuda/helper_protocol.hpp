@@ -25,6 +25,7 @@ enum class HelperCommand : std::uint32_t {
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
   send_blocks,       ///< from number `count` on
   hang,              ///< for tests: never answers
+  end,               ///< ends by itself, for tools that want to look at what it leaves behind
 };
 
 /// At the beginning of the shared memory. Written by the program, but where it says otherwise.

@@ -2,10 +2,11 @@
 // What a card does, on a machine that has one: the same map as the CPU twin after every frame, in how much time, and
 // what a killed helper costs. `scripts/gpu-test` makes a bundle of it.
 //   gpu_bench [--log FOLDER] [--frames N] [--resolution METRES]... [--integrator NAME]... [--mode static|dynamic]...
-//             [--what equal|time|growth|repeat|kill]... [--times N] [--processors N]...
+//             [--what equal|time|growth|inspect|repeat|kill]... [--times N] [--processors N]... [--patience SECONDS]
 // equal: hashes of both maps after each frame. time: medians over the frames, first pass and revisit, on N of the
-// card's multiprocessors (0: all). growth: frames in a map of more than a hundred million voxels. repeat: N runs, each
-// with a new helper. kill: N kills of the helper at random moments; the map must be that of the undisturbed run.
+// card's multiprocessors (0: all). growth: frames in a map of more than a hundred million voxels. inspect: few frames,
+// for compute-sanitizer. repeat: N runs, each with a new helper. kill: N kills of the helper at random moments; the map
+// must be that of the undisturbed run. --patience: how long a frame may take before the helper is taken for hung.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -132,6 +133,39 @@ void measure(const MapperConfig& config, const test::Workload& work, std::uint32
   std::fflush(stdout);
 }
 
+/// Has compute-sanitizer brought its library into the process?
+bool is_watched(int process) {
+  std::ifstream maps(fmt::format("/proc/{}/maps", process));
+  const std::string text(std::istreambuf_iterator<char>(maps), {});
+  return text.find("sanitizer") != std::string::npos;
+}
+
+/// For a tool that looks over the helper's shoulder, however slow it makes it: all kernels, in few frames.
+void inspect(const MapperConfig& config, const test::Workload& work) {
+  Rig rig(config, work.camera);
+  if (!rig.twin.has_card()) {
+    ++failures;
+    return;
+  }
+  Mapper cpu_twin(on(Backend::cpu, config), work.camera);
+  std::size_t different = 0;
+  for (const auto& [frame, pose] : work.frames) {
+    (void)rig.integrate(frame, pose);
+    (void)cpu_twin.integrate(frame, pose);
+    different += map_hash(rig.map) == map_hash(cpu_twin.map()) ? 0 : 1;
+    // A change of the host's own, so that blocks are taken to the card.
+    const BlockKey key = cpu_twin.map().sorted_keys().at(0);
+    different += rig.map.erase_block(key) && cpu_twin.map().erase_block(key) ? 0 : 1;
+  }
+  const bool watched = is_watched(rig.helper->pid());
+  const bool ended = rig.helper->end(bench::rig_options.patience_ns);
+  const bool good = different == 0 && ended;
+  failures += good ? 0 : 1;
+  fmt::print("inspect {}: {}, {} different, helper {} {}\n", title(config, work), watched ? "watched" : "unwatched",
+             different, ended ? "ended by itself" : "did not end", good ? "ok" : "FAILED");
+  std::fflush(stdout);
+}
+
 std::string hash_of_run(const MapperConfig& config, const test::Workload& work) {
   Mapper mapper(config, work.camera);
   for (const auto& [frame, pose] : work.frames) (void)mapper.integrate(frame, pose);
@@ -197,6 +231,7 @@ int main(int argc, char** argv) {
   int frames = 60;
   int times = 100;
   double step_s = 0.0;
+  double patience_s = 0.0;
   std::string log;
   std::vector<float> resolutions_m;
   std::vector<IntegratorKind> kinds;
@@ -209,6 +244,7 @@ int main(int argc, char** argv) {
     if (name == "--log") log = value;
     if (name == "--frames") frames = std::atoi(value.c_str());
     if (name == "--times") times = std::atoi(value.c_str());
+    if (name == "--patience") patience_s = std::atof(value.c_str());
     if (name == "--kernels") {
       std::ifstream file(value);
       bench::rig_options.kernels.assign(std::istreambuf_iterator<char>(file), {});
@@ -224,6 +260,7 @@ int main(int argc, char** argv) {
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
   if (kinds.empty()) kinds = {IntegratorKind::projective};
   if (modes.empty()) modes = {MapMode::dynamic_mode};
+  if (patience_s > 0.0) bench::rig_options.patience_ns = static_cast<hal::TimeNs>(patience_s * 1e9);
   if (processors.empty()) processors = {0};
   if (what.empty()) what = {"equal", "time"};
   const test::Workload work =
@@ -240,6 +277,7 @@ int main(int argc, char** argv) {
         config.resolution_m = resolution_m;
         config.integrator = kind;
         config.mode = mode;
+        if (patience_s > 0.0) config.card_patience_ns = bench::rig_options.patience_ns;
         config.threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 8U));
         config.capacity = capacity_for_bytes(std::size_t{resolution_m < 0.008F ? 6144U : 1024U} << 20);
         for (const std::string& one : what) {
@@ -247,6 +285,7 @@ int main(int argc, char** argv) {
           for (const std::uint32_t n : processors) {
             if (one == "time") measure(config, work, n);
           }
+          if (one == "inspect") inspect(config, work);
           if (one == "growth") bench::measure_growth(config, work);
           if (one == "repeat") repeat(config, work, times);
           if (one == "kill") kill_often(config, work, times);

@@ -24,7 +24,8 @@ inline int failures = 0;
 
 inline struct RigOptions {
   std::uint32_t update_warps = 0;
-  std::string kernels;  ///< PTX instead of what is carried
+  std::string kernels;                       ///< PTX instead of what is carried
+  hal::TimeNs patience_ns = 60'000'000'000;  ///< a profiler may take its time
 } rig_options;
 
 inline double median(std::vector<double> values) {
@@ -55,9 +56,10 @@ struct Rig {
          .mask = twin.builder().mask(),
          .update_warps = rig_options.update_warps,
          .processors = processors,
-         .patience_ns = 60'000'000'000},  // a profiler may take its time
+         .patience_ns = rig_options.patience_ns},
         problem);
-    if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
+    if (helper != nullptr && helper->wait_started(rig_options.patience_ns) == cuda::HelperState::ready)
+      twin.set_card(helper);
     if (twin.has_card() && !helper->note().empty()) {
       fmt::print("note    {} multiprocessors wanted, {} used: {}\n", processors, helper->processors(), helper->note());
     }

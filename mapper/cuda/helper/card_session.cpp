@@ -360,6 +360,7 @@ bool CardSession::obey() {
     case HelperCommand::send_blocks:
       return send_blocks(control_->count);
     case HelperCommand::hang:
+    case HelperCommand::end:
       break;
   }
   return false;

@@ -57,8 +57,10 @@ int main() {
     if (control.command == static_cast<std::uint32_t>(HelperCommand::hang)) {
       while (getppid() == program) sleep(1);
     }
-    control.ok = session.obey() ? 1 : 0;
+    const bool ends = control.command == static_cast<std::uint32_t>(HelperCommand::end);
+    control.ok = ends || session.obey() ? 1 : 0;
     set_word(&control.answered, seen);
+    if (ends) return 0;
   }
   return 0;
 }
