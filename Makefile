@@ -187,6 +187,10 @@ build/tidy/%.ok: %.cpp .clang-tidy
 	@touch $@
 lint: house tidy ## house and tidy
 
+.PHONY: ptxas
+ptxas: $(PTX) ## registers and spills of the kernels on real cards, where NVIDIA's assembler is installed
+	scripts/check-ptx $<
+
 # The version is compiled into one object, and only when it changed.
 $(BUILD)/version.txt: force
 	@mkdir -p $(@D)
