@@ -75,6 +75,7 @@ inline G3D_GPU void settle_share(GpuPool& share) {
 inline constexpr int kTidyTasks = 3 * static_cast<int>(kShares);
 
 /// Takes off what was taken from one share and puts what was given back onto its stack. In a launch that does neither.
+template <int kThreads>
 inline G3D_GPU void tidy_share(const Block& block, const Memory& m, int task) {
   MapState& s = *m.state;
   const int kind = task / static_cast<int>(kShares);
@@ -89,7 +90,7 @@ inline G3D_GPU void tidy_share(const Block& block, const Memory& m, int task) {
                                              : m.returned_bricks) +
                                 share.first;
     const std::uint32_t count = share.returned_count;
-    for (std::uint32_t i = static_cast<std::uint32_t>(t); i < count; i += kPixelThreads) to[i] = from[i];
+    for (std::uint32_t i = static_cast<std::uint32_t>(t); i < count; i += kThreads) to[i] = from[i];
   });
   block.each([&](int t) {
     if (t == 0) settle_share(share);
