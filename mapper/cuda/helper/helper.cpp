@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The helper process: waits for commands in the shared memory, obeys, answers. It ends when the program has ended.
-// It is the only part that uses the system's C library, and may be carried to an older one: see OLD_LIBC in the Makefile.
+// It is the only part that uses the system's C library, and may be carried to an older one: see OLD_LIBC in the
+// Makefile.
 #include <linux/futex.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
