@@ -124,7 +124,7 @@ $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cu
 	$(SAY) $@
 	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
-$(BUILD)/unit_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
+$(BUILD)/unit_tests $(BUILD)/thread_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
