@@ -59,17 +59,14 @@ Taken take_parcel(VoxelMap& map, const Parcels& parcels, std::uint32_t index, st
   return {slot, complete};
 }
 
-void make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index) {
+bool make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index) {
+  const std::uint32_t slot = map.find(key);
+  if (slot == kNoSlot) return false;
   ParcelHead& head = parcels.heads[index];
   head = {};
   head.key = key;
   head.plane = kNone;
   head.first_brick = index * kBricks;
-  const std::uint32_t slot = map.find(key);
-  if (slot == kNoSlot) {
-    head.erase = 1;
-    return;
-  }
   const BlockHeader& header = map.header(slot);
   head.uniform_level = header.uniform_level;
   if (header.plane != kNoSlot) {
@@ -83,6 +80,7 @@ void make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std:
     head.bricks = static_cast<std::uint8_t>(head.bricks | 1U << b);
     std::memcpy(parcels.bricks[next++].rgb, map.brick(brick).data(), sizeof(ColourBrick));
   }
+  return true;
 }
 
 }  // namespace g3d::mapper::cuda

@@ -18,7 +18,7 @@ struct Taken {
 /// The host's block becomes what parcel `index` says.
 Taken take_parcel(VoxelMap& map, const Parcels& parcels, std::uint32_t index, std::uint32_t frame_number);
 
-/// Parcel `index` says what the host's map has under this key: a block, or that there is none.
-void make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index);
+/// Parcel `index` says what the host's map has under this key. False: there is no such block.
+bool make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index);
 
 }  // namespace g3d::mapper::cuda

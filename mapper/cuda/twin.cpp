@@ -162,15 +162,14 @@ bool Twin::forget_keys(std::span<const BlockKey> keys) {
 }
 
 bool Twin::send_keys(std::span<const BlockKey> keys) {
-  while (!keys.empty()) {
-    const std::size_t count = std::min<std::size_t>(keys.size(), card_->room());
-    for (std::size_t i = 0; i < count; ++i) {
-      make_parcel(mirror_, keys[i], card_->parcels(), static_cast<std::uint32_t>(i));
-    }
-    if (!card_->import_blocks(static_cast<std::uint32_t>(count))) return false;
-    keys = keys.subspan(count);
+  std::uint32_t count = 0;
+  for (const BlockKey key : keys) {
+    if (!make_parcel(mirror_, key, card_->parcels(), count)) continue;
+    if (++count < card_->room()) continue;
+    if (!card_->import_blocks(count)) return false;
+    count = 0;
   }
-  return true;
+  return count == 0 || card_->import_blocks(count);
 }
 
 }  // namespace g3d::mapper::cuda

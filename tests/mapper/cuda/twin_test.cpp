@@ -3,6 +3,7 @@
 // nothing.
 #include "mapper/cuda/twin.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <map>
@@ -341,4 +342,27 @@ TEST_CASE("a map that was full and has room again becomes what it would be anywh
     CHECK(emulated.integrate(frames[4].frame, frames[4].T_world_camera).refused_blocks == 0);
   }
   CHECK(map_hash(emulated.map) == map_hash(roomy.map()));
+}
+
+TEST_CASE("a card's table does not fill up with what it forgot, however long the map follows the robot") {
+  const hal::CameraModel camera = test::small_camera(32);
+  MapperConfig config;
+  config.resolution_m = 0.2F;
+  config.capacity = {256, 128, 128};
+  test::EmulatedMapper emulated(config, camera, 13);
+  const auto frames = test::random_frames(camera, 1, 13);
+  tests::Random random(13);
+  BlockValues values;
+  values.fill(3);
+  for (int round = 0; round < 60; ++round) {
+    for (const BlockKey key : emulated.map.sorted_keys()) emulated.map.erase_block(key);
+    for (int i = 0; i < 100; ++i) REQUIRE(emulated.map.write_block(random.below(1U << 30), values));
+    CHECK(emulated.integrate(frames[0].frame, frames[0].T_world_camera).refused_blocks == 0);
+  }
+  const cuda::Memory& memory = emulated.card->memory();
+  const std::span<const std::uint64_t> places{memory.table_keys, std::size_t{memory.table_mask} + 1};
+  const auto forgotten = std::count(places.begin(), places.end(), cuda::kForgotten);
+  const auto empty = std::count(places.begin(), places.end(), std::uint64_t{0});
+  CHECK(static_cast<std::size_t>(forgotten) < places.size() / 10);
+  CHECK(static_cast<std::size_t>(empty) > places.size() / 2);
 }
