@@ -24,7 +24,8 @@ class Card {
   [[nodiscard]] virtual std::uint32_t class_room() const = 0;
 
   // False: the card is lost, and what it was asked for may have happened or not.
-  /// Takes `count` parcels into its map.
+  /// Takes `count` parcels into its map; either all of them erase, or none does. 0: makes what earlier ones gave back
+  /// ready to be taken by the next.
   virtual bool import_blocks(std::uint32_t count) = 0;
   /// Begins with the input; only the colours may still come.
   virtual bool begin_frame() = 0;

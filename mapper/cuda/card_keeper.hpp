@@ -9,6 +9,7 @@
 #include <string>
 
 #include "mapper/cuda/helper_process.hpp"
+#include "mapper/cuda/helper_starter.hpp"
 #include "mapper/cuda/twin.hpp"
 #include "mapper/mapper.hpp"
 
@@ -38,7 +39,9 @@ class CardKeeper {
   [[nodiscard]] int process() const { return helper_ != nullptr ? helper_->pid() : -1; }
 
  private:
-  void start_helper();
+  [[nodiscard]] HelperSetup setup() const;
+  /// The next step of a card that is to come back.
+  void come_back();
   void take_if_ready(HelperState state);
   void start_later();
   void lose();
@@ -48,7 +51,8 @@ class CardKeeper {
   hal::TimeNs patience_ns_;
   Twin twin_;
   std::shared_ptr<HelperProcess> helper_;
-  int lost_process_ = -1;  ///< the last one that was lost, until the system has done away with it
+  std::unique_ptr<HelperStarter> starter_;  ///< for those after the first one, if that one found a card
+  int lost_process_ = -1;                   ///< the last one that was lost, until the system has done away with it
   CardReport report_;
   FrameReport begun_;                     ///< of the frame in hand
   std::uint32_t troubles_ = 0;            ///< losses, and helpers that did not come up again

@@ -34,6 +34,12 @@ void sleep_while(std::uint32_t& word, std::uint32_t value, hal::TimeNs most_ns) 
   syscall(SYS_futex, &word, FUTEX_WAIT, value, &limit, nullptr, 0);
 }
 
+/// The helper may have left out the zero at the end.
+template <std::size_t kRoom>
+std::string text_of(const char (&room)[kRoom]) {
+  return {room, strnlen(room, kRoom)};
+}
+
 std::string failure(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
 
 bool write_all(int file, std::span<const std::byte> bytes) {
@@ -58,6 +64,7 @@ std::unique_ptr<HelperProcess> HelperProcess::start(const HelperSetup& setup, st
   layout.room = setup.room;
   layout.class_room = setup.class_room;
   layout.update_warps = setup.update_warps;
+  layout.wanted_processors = setup.processors;
   helper->bytes_ = lay_out(layout, setup.kernels.size());
   helper->memory_file_ = memfd_create("g3dmap-card", MFD_CLOEXEC);
   if (helper->memory_file_ < 0 || ftruncate(helper->memory_file_, static_cast<off_t>(helper->bytes_)) != 0) {
@@ -171,12 +178,11 @@ HelperState HelperProcess::wait_started(hal::TimeNs limit_ns) {
 }
 
 std::string HelperProcess::problem() const {
-  char text[sizeof control_->problem];
-  std::memcpy(text, control_->problem, sizeof text);
-  text[sizeof text - 1] = 0;
-  if (text[0] != 0) return text;
+  if (const std::string text = text_of(control_->problem); !text.empty()) return text;
   return ended_ ? "the helper process ended" : "the helper process does not answer";
 }
+
+std::string HelperProcess::note() const { return text_of(control_->note); }
 
 bool HelperProcess::post(HelperCommand command, std::uint32_t count) {
   if (ended_) return false;
@@ -204,8 +210,15 @@ bool HelperProcess::ask(HelperCommand command, std::uint32_t count, hal::TimeNs 
   return post(command, count) && wait_answer(patience_ns);
 }
 
+bool HelperProcess::end(hal::TimeNs patience_ns) {
+  const hal::TimeNs end_ns = clock_.now() + patience_ns;
+  if (!ask(HelperCommand::end, 0, patience_ns)) return false;
+  while (!has_ended() && clock_.now() < end_ns) clock_.sleep_until(clock_.now() + kLook_ns);
+  return has_ended();
+}
+
 bool HelperProcess::import_blocks(std::uint32_t count) {
-  return ask(HelperCommand::import_blocks, count, kImportPatience_ns);
+  return ask(HelperCommand::import_blocks, count, std::max(kImportPatience_ns, patience_ns_));
 }
 
 bool HelperProcess::begin_frame() { return post(frame_command_, 0); }

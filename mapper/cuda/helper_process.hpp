@@ -27,6 +27,7 @@ struct HelperSetup {
   std::span<const float> row_slope;
   std::span<const std::uint16_t> mask;
   std::uint32_t update_warps = 0;        ///< for measurements; see HelperControl
+  std::uint32_t processors = 0;          ///< for measurements: multiprocessors of the card to use; 0: all
   hal::TimeNs patience_ns = 33'000'000;  ///< a frame's time: a helper that takes longer is taken for hung
 };
 
@@ -45,7 +46,12 @@ class HelperProcess final : public Card {
   [[nodiscard]] std::string problem() const;
   [[nodiscard]] std::string card_name() const { return control_->card; }
   [[nodiscard]] std::uint64_t card_bytes() const { return control_->card_bytes; }
+  [[nodiscard]] std::uint32_t processors() const { return control_->processors; }
+  /// What was wanted and is not to be had; empty if nothing.
+  [[nodiscard]] std::string note() const;
   [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Has the process end by itself, and waits until it has. False: it takes longer.
+  bool end(hal::TimeNs patience_ns);
   /// Ends the process without waiting for it: the system may need long to take a card from it.
   void abandon() { waits_for_end_ = false; }
 

@@ -30,6 +30,7 @@ enum class HelperCommand : std::uint32_t {
   count_looks,       ///< `count` of them
   spread_grid,       ///< time as for rays
   hang,              ///< for tests: never answers
+  end,               ///< ends by itself, for tools that want to look at what it leaves behind
 };
 
 /// At the beginning of the shared memory. Written by the program, but where it says otherwise.
@@ -43,8 +44,9 @@ struct HelperControl {
   std::uint32_t ok;     ///< by the helper
   std::uint32_t room;   ///< parcels in one go
   std::uint32_t class_room;
-  std::uint32_t coloured;      ///< number of the command whose colours are there
-  std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
+  std::uint32_t coloured;           ///< number of the command whose colours are there
+  std::uint32_t update_warps;       ///< 1 or 4 for a block of the map, 0: as the helper likes
+  std::uint32_t wanted_processors;  ///< multiprocessors that kernels may use; 0: all
   MemorySizes sizes;
   FrameCounters counters;  ///< by the card
   ColumnTables column_tables;
@@ -74,10 +76,11 @@ struct HelperControl {
   // By the helper
   float stage_us[kStages];
   std::uint64_t card_bytes;      ///< that it took of the card's memory
-  std::uint32_t processors;      ///< multiprocessors of the card
+  std::uint32_t processors;      ///< multiprocessors that kernels may use
   std::uint32_t copies_parcels;  ///< 1: the card cannot reach host memory, so parcels are copied
   char card[96];
   char problem[256];  ///< why it failed
+  char note[160];     ///< why it is not quite what was wanted
 };
 
 /// Lays out everything behind the control block; returns the number of bytes in all.

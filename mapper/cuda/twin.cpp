@@ -210,13 +210,11 @@ void Twin::keep(std::uint32_t count) {
 
 void Twin::take(const Parcels& parcels, std::uint32_t count, FrameReport& report) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t slot = take_parcel(mirror_, parcels, i, frame_number_);
-    if (slot != kNoSlot) {
-      changed_[changed_count_++] = slot;
-    } else {
-      ++report.refused_blocks;
-      journal_.note(parcels.heads[i].key);  // the mirror has the last word
-    }
+    const Taken taken = take_parcel(mirror_, parcels, i, frame_number_);
+    if (taken.slot != kNoSlot) changed_[changed_count_++] = taken.slot;
+    if (taken.complete) continue;
+    ++report.refused_blocks;
+    journal_.note(parcels.heads[i].key);  // the mirror has the last word
   }
 }
 
@@ -235,21 +233,38 @@ bool Twin::send_changes() {
   const std::span<BlockKey> keys{journal_.keys.data(), journal_.count};
   std::sort(keys.begin(), keys.end());
   const auto end = std::unique(keys.begin(), keys.end());
-  const bool sent = send_keys(keys.first(static_cast<std::size_t>(end - keys.begin())));
+  const std::span<const BlockKey> changed = keys.first(static_cast<std::size_t>(end - keys.begin()));
+  // Forgotten first, and only then sent: what the mirror has room for, the card has room for as well, but not for the
+  // blocks before and after a change at once.
+  const bool sent = forget_keys(changed) && send_keys(changed);
   journal_.clear();
   return sent;
 }
 
-bool Twin::send_keys(std::span<const BlockKey> keys) {
+bool Twin::forget_keys(std::span<const BlockKey> keys) {
+  if (keys.empty()) return true;
   while (!keys.empty()) {
     const std::size_t count = std::min<std::size_t>(keys.size(), card_->room());
     for (std::size_t i = 0; i < count; ++i) {
-      make_parcel(mirror_, keys[i], card_->parcels(), static_cast<std::uint32_t>(i));
+      card_->parcels().heads[i] = {};
+      card_->parcels().heads[i].key = keys[i];
+      card_->parcels().heads[i].erase = 1;
     }
     if (!card_->import_blocks(static_cast<std::uint32_t>(count))) return false;
     keys = keys.subspan(count);
   }
-  return true;
+  return card_->import_blocks(0);
+}
+
+bool Twin::send_keys(std::span<const BlockKey> keys) {
+  std::uint32_t count = 0;
+  for (const BlockKey key : keys) {
+    if (!make_parcel(mirror_, key, card_->parcels(), count)) continue;
+    if (++count < card_->room()) continue;
+    if (!card_->import_blocks(count)) return false;
+    count = 0;
+  }
+  return count == 0 || card_->import_blocks(count);
 }
 
 }  // namespace g3d::mapper::cuda

@@ -3,6 +3,10 @@
 // next frame, what a frame changes comes back before the mirror is shown. The mirror changes only when a frame is
 // wholly there, so that a card may be lost at any time and the CPU twin go on from the mirror, the frame in hand
 // included. Thread: mapper thread.
+// Full pools: each block has all that a frame says of it, or its levels without some of the colours, or is as before,
+// and the last two are counted as refused. Threads race for the last slots, so which blocks these are differs from run
+// to run and from the CPU twin. A frame without refused blocks makes the mirror what it makes of it anywhere; what was
+// refused is not made up for.
 #pragma once
 
 #include <cstdint>
@@ -69,6 +73,7 @@ class Twin {
  private:
   [[nodiscard]] bool send_changes();
   [[nodiscard]] bool read_columns();
+  [[nodiscard]] bool forget_keys(std::span<const BlockKey> keys);
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);

@@ -31,7 +31,8 @@ bool CardSession::load_questions(CuHandle module) {
     if (!check(driver_.max_active_blocks(&blocks, questions_[i], threads, 0), kQuestionNames[i])) return false;
     questions_at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }
-  return check(driver_.stream_create(&side_stream_, kNonBlocking), "stream");
+  if (confined_) side_stream_ = stream_;  // everything goes there
+  return confined_ || check(driver_.stream_create(&side_stream_, kNonBlocking), "stream");
 }
 
 bool CardSession::ask(Question question, CuHandle stream, std::uint64_t tasks, unsigned threads, void** arguments) {

@@ -80,8 +80,9 @@ class CardSession {
   Classes classes_{};
   bool first_parcels_sent_ = false;
   bool mapped_ = false;
-  unsigned processors_ = 1;
-  bool by_four_ = false;  ///< warps for a block of the map, else one
+  unsigned processors_ = 1;  ///< multiprocessors
+  bool confined_ = false;    ///< to fewer than the card has
+  bool by_four_ = false;     ///< warps for a block of the map, else one
 };
 
 }  // namespace g3d::mapper::cuda

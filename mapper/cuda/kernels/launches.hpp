@@ -25,7 +25,11 @@
 
 namespace g3d::mapper::cuda {
 
+/// 0 parcels: pools are tidied up instead, so that what earlier ones gave back can be taken by later ones.
 inline G3D_GPU void import_blocks(const Block& block, const Memory& m, const Parcels& in, std::uint32_t count) {
+  for (int task = block.index; task < kTidyTasks && count == 0; task += block.count) {
+    tidy_share<kParcelThreads>(block, m, task);
+  }
   for (std::uint32_t i = static_cast<std::uint32_t>(block.index); i < count;
        i += static_cast<std::uint32_t>(block.count)) {
     receive_block(block, m, in, i);
@@ -37,7 +41,7 @@ inline G3D_GPU void read_image(const Block& block, const Memory& m, const FrameP
   const int all = kTidyTasks + 2 * reads;
   for (int task = block.index; task < all; task += block.count) {
     if (task < kTidyTasks) {
-      tidy_share(block, m, task);
+      tidy_share<kPixelThreads>(block, m, task);
     } else if (task < kTidyTasks + reads) {
       read_tile(block, m, f, task - kTidyTasks);
     } else {

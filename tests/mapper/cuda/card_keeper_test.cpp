@@ -100,7 +100,10 @@ TEST_CASE("a helper that dies while it comes up again is not the last one") {
     const int process = mapper.card_process();
     REQUIRE(process > 0);
     REQUIRE(kill(process, SIGKILL) == 0);
-    while (mapper.card_process() == process || mapper.card_process() <= 0) integrate_one();
+    while (mapper.card_process() == process || mapper.card_process() <= 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      integrate_one();
+    }
     CHECK(mapper.card().frames_on_card == by_card);
   }
   const std::uint64_t by_card = mapper.card().frames_on_card;

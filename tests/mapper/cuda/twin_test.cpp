@@ -7,10 +7,14 @@
 #include <catch2/catch.hpp>
 #include <functional>
 #include <limits>
+#include <map>
+#include <memory>
+#include <set>
 
 #include "mapper/cpu/bulk_rays.hpp"
 #include "mapper/map_hash.hpp"
 #include "tests/support/emulated_mapper.hpp"
+#include "tests/support/faulty_card.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -40,68 +44,6 @@ void change_blocks(VoxelMap& map, std::uint64_t seed) {
     REQUIRE(map.write_block(key, values));  // twice between two frames: it is sent once
   }
 }
-
-/// A card that passes everything on, until told to do something wrong.
-class FaultyCard final : public cuda::Card {
- public:
-  explicit FaultyCard(std::shared_ptr<cuda::Card> good) : good_(std::move(good)) {}
-  cuda::FrameInput& input() override { return good_->input(); }
-  std::uint16_t* depth() override { return good_->depth(); }
-  std::uint8_t* rgb() override { return good_->rgb(); }
-  const cuda::Parcels& parcels() override { return good_->parcels(); }
-  std::uint32_t room() const override { return good_->room(); }
-  bool import_blocks(std::uint32_t count) override { return good_->import_blocks(count) && !fails_to_import; }
-  const cuda::Classes& classes() override { return good_->classes(); }
-  std::uint32_t class_room() const override { return good_->class_room(); }
-  bool begin_frame() override { return good_->begin_frame(); }
-  bool finish_frame(cuda::FrameCounters& counters) override {
-    const bool done = good_->finish_frame(counters);
-    if (spoil) spoil(counters, good_->classes());
-    return done && !fails_to_run;
-  }
-  bool send_blocks(std::uint32_t first) override {
-    const bool done = good_->send_blocks(first);
-    if (spoil_parcels) spoil_parcels(good_->parcels());
-    return done && !fails_to_send;
-  }
-
-  bool set_columns(const ColumnTables& tables) override { return good_->set_columns(tables) && !fails_to_answer; }
-  bool read_columns(std::uint32_t first) override {
-    const bool done = good_->read_columns(first);
-    if (spoil_columns) spoil_columns(good_->columns());
-    return done && !fails_to_answer;
-  }
-  const cuda::Columns& columns() override { return good_->columns(); }
-  std::uint32_t column_room() const override { return good_->column_room(); }
-  const cuda::GridQuestion& grid_question() override { return good_->grid_question(); }
-  std::uint32_t grid_room() const override { return good_->grid_room(); }
-  bool spread_grid() override { return good_->spread_grid() && !fails_to_answer; }
-  const cuda::Queries& queries() override { return good_->queries(); }
-  std::uint32_t ray_room() const override { return good_->ray_room(); }
-  std::uint32_t look_room() const override { return good_->look_room(); }
-  bool cast_rays(std::uint32_t count, float resolution_m) override {
-    const bool done = good_->cast_rays(count, resolution_m);
-    if (spoil_answers) spoil_answers(good_->queries());
-    return done && !fails_to_answer;
-  }
-  bool count_looks(std::uint32_t count, const LookModel& model) override {
-    const bool done = good_->count_looks(count, model);
-    if (spoil_answers) spoil_answers(good_->queries());
-    return done && !fails_to_answer;
-  }
-
-  bool fails_to_import = false;
-  bool fails_to_run = false;
-  bool fails_to_send = false;
-  bool fails_to_answer = false;
-  std::function<void(cuda::FrameCounters&, const cuda::Classes&)> spoil;
-  std::function<void(const cuda::Parcels&)> spoil_parcels;
-  std::function<void(const cuda::Queries&)> spoil_answers;
-  std::function<void(const cuda::Columns&)> spoil_columns;
-
- private:
-  std::shared_ptr<cuda::Card> good_;
-};
 
 }  // namespace
 
@@ -138,7 +80,7 @@ TEST_CASE("a frame that changes more blocks than there is room for comes in roun
   config.capacity = {1U << 16, 1U << 15, 1U << 16};
   Mapper cpu_twin(config, camera);
   test::EmulatedMapper emulated(config, camera, 7);
-  auto faulty = std::make_shared<FaultyCard>(emulated.card);
+  auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
   emulated.twin.set_card(faulty);
   const auto frames = test::random_frames(camera, 3, 7);
   for (const auto& [frame, pose] : frames) {
@@ -157,9 +99,9 @@ TEST_CASE("a frame that changes more blocks than there is room for comes in roun
 TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
   const hal::CameraModel camera = test::small_camera(60);
   const auto frames = test::random_frames(camera, 2, 8);
-  using Lie = std::function<void(FaultyCard&)>;
-  const auto about_frame = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil = spoil; }; };
-  const auto about_parcels = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil_parcels = spoil; }; };
+  using Lie = std::function<void(test::FaultyCard&)>;
+  const auto about_frame = [](auto spoil) { return [spoil](test::FaultyCard& card) { card.spoil = spoil; }; };
+  const auto about_parcels = [](auto spoil) { return [spoil](test::FaultyCard& card) { card.spoil_parcels = spoil; }; };
   const std::vector<Lie> lies{
       about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.changed = 0xFFFFFFFF; }),
       about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.refused_imports = 1; }),
@@ -173,7 +115,7 @@ TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
   for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
     INFO("fault " << fault);
     test::EmulatedMapper emulated(small_config(), camera, 8);
-    auto faulty = std::make_shared<FaultyCard>(emulated.card);
+    auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
     emulated.twin.set_card(faulty);
     (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
     const std::string before = map_hash(emulated.map);
@@ -207,7 +149,7 @@ TEST_CASE("a card that fails to answer, or answers what cannot be, is lost") {
   for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
     INFO("fault " << fault);
     test::EmulatedMapper emulated(small_config(), camera, 8);
-    auto faulty = std::make_shared<FaultyCard>(emulated.card);
+    auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
     emulated.twin.set_card(faulty);
     const LookModel model = cpu::look_model(emulated.sensor, 2);
     std::vector<BulkHit> hits(rays.size());
@@ -220,46 +162,6 @@ TEST_CASE("a card that fails to answer, or answers what cannot be, is lost") {
     if (fault == lies.size() + 1) emulated.map.clear();  // only an empty card can follow
     const bool both = emulated.twin.cast_rays(rays, hits) && emulated.twin.count_looks(model, looks);
     CHECK_FALSE(both);
-  }
-}
-
-TEST_CASE("a card whose columns fail or cannot be is lost with the frame") {
-  const hal::CameraModel camera = test::small_camera(60);
-  const auto frames = test::random_frames(camera, 2, 12);
-  ColumnTables tables{};
-  tables.first_block_z = 4096 - 20;
-  tables.last_block_z = 4096 + 20;
-  tables.voxels_per_cell = 2;
-  for (auto& layer : tables.kinds) std::fill(std::begin(layer), std::end(layer), std::uint8_t{1});
-  for (std::uint8_t level = 17; level < kColumnLevels; ++level) tables.bits[1][level] = 1;
-  using Lie = std::function<void(const cuda::Columns&)>;
-  const std::vector<Lie> lies{
-      {},
-      [](const cuda::Columns& c) {
-        c.keys[0] = encode({4096, 4096, 4096 + 21});
-      },
-      [](const cuda::Columns& c) { c.keys[1] = BlockKey{1} << 40; },
-      [](const cuda::Columns& c) {
-        c.keys[0] = encode({4096, 4096, 4096});
-        c.cells[15] = 2;
-      },
-  };
-  for (std::size_t fault = 0; fault < lies.size() + 1; ++fault) {
-    INFO("fault " << fault);
-    test::EmulatedMapper emulated(small_config(), camera, 12);
-    auto faulty = std::make_shared<FaultyCard>(emulated.card);
-    emulated.twin.set_card(faulty);
-    emulated.twin.follow_columns(tables);
-    (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
-    CHECK_FALSE(emulated.twin.changed_columns().keys.empty());
-    if (fault < lies.size()) faulty->spoil_columns = lies[fault];
-    faulty->fails_to_answer = fault == lies.size();
-    const std::string before = map_hash(emulated.map);
-    FrameReport report;
-    const auto geometry = cpu::frame_geometry(emulated.sensor, hal::to_transform(frames[1].T_world_camera));
-    REQUIRE(geometry);
-    CHECK(emulated.twin.integrate(frames[1].frame, *geometry, true, 2, report) == (fault == 0));
-    CHECK((map_hash(emulated.map) == before) == (fault != 0));
   }
 }
 
@@ -314,4 +216,152 @@ TEST_CASE("classes of what a frame changed are there before the mirror is, and s
   }
   CHECK(uniform > 0);
   CHECK(mixed > 0);
+}
+
+namespace {
+
+using Blocks = std::map<BlockKey, BlockValues>;
+
+Blocks all_blocks(const VoxelMap& map) {
+  Blocks blocks;
+  for (const BlockKey key : map.sorted_keys()) map.read_block(key, blocks[key]);
+  return blocks;
+}
+
+BlockValues block_in(const Blocks& blocks, BlockKey key) {
+  if (const auto found = blocks.find(key); found != blocks.end()) return found->second;
+  BlockValues unknown;
+  unknown.fill(kUnknownRgbo);
+  return unknown;
+}
+
+/// Every voxel has its level, and its colour or none.
+bool lacks_only_colours(const BlockValues& got, const BlockValues& whole) {
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    if (got[i] != whole[i] && got[i] != level_of(whole[i])) return false;
+  }
+  return true;
+}
+
+/// A CPU twin that has room, with this map.
+std::unique_ptr<Mapper> roomy_copy(MapperConfig config, const hal::CameraModel& camera, const VoxelMap& map) {
+  config.capacity = {1U << 15, 1U << 14, 1U << 15};
+  auto copy = std::make_unique<Mapper>(config, camera);
+  BlockValues values;
+  for (const BlockKey key : map.sorted_keys()) {
+    map.read_stored_block(key, values);
+    REQUIRE(copy->map().write_block(key, values));
+  }
+  return copy;
+}
+
+/// What the host may do between frames: forgets some blocks, and fills the room with others of its own.
+void trade_blocks(VoxelMap& map, std::uint64_t seed) {
+  tests::Random random(seed);
+  for (const BlockKey key : map.sorted_keys()) {
+    if (random.below(3) == 0) map.erase_block(key);
+  }
+  BlockValues values;
+  for (int i = 0; i < 40; ++i) {
+    values.fill(random.below(16));
+    if (i % 2 == 0) values[random.below(512)] = make_rgbo(9, 8, 7, 25) | kHasColourBit;
+    (void)map.write_block(random.below(1000), values);
+  }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "with full pools a block has all of a frame, its levels without colours, or nothing of it; and it is counted") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const std::array<MapCapacity, 5> tiny{
+      {{0, 0, 0}, {60, 1000, 1000}, {1000, 30, 1000}, {1000, 1000, 20}, {300, 60, 60}}};
+  for (const IntegratorKind kind : {IntegratorKind::projective, IntegratorKind::bresenham, IntegratorKind::dda}) {
+    for (const MapCapacity& capacity : tiny) {
+      INFO(to_string(kind) << ", room for " << capacity.blocks << " blocks, " << capacity.planes << " planes, "
+                           << capacity.colour_bricks << " bricks");
+      MapperConfig config;
+      config.integrator = kind;
+      config.capacity = capacity;
+      test::EmulatedMapper emulated(config, camera, 11);
+      std::uint32_t refused = 0;
+      for (const auto& [frame, pose] : test::random_frames(camera, 6, 11)) {
+        if (emulated.frame_number > 2) trade_blocks(emulated.map, emulated.frame_number);
+        const Blocks before = all_blocks(emulated.map);
+        const auto roomy = roomy_copy(config, camera, emulated.map);
+        const FrameReport report = emulated.integrate(frame, pose);  // the card is not lost
+        CHECK(report.valid_pixels == roomy->integrate(frame, pose).valid_pixels);
+        const Blocks after = all_blocks(emulated.map);
+        Blocks whole = all_blocks(roomy->map());
+        for (const auto& [key, values] : before) whole.try_emplace(key, block_in({}, key));
+        std::set<BlockKey> told;
+        for (const std::uint32_t slot : emulated.twin.changed_slots()) told.insert(emulated.map.header(slot).key);
+        CHECK(told.size() == emulated.twin.changed_slots().size());
+        std::uint32_t kept_from = 0;
+        std::uint32_t wrong = 0;
+        std::uint32_t untold = 0;
+        for (const auto& [key, expected] : whole) {
+          const BlockValues got = block_in(after, key);
+          const BlockValues old = block_in(before, key);
+          untold += got != old && !told.contains(key) ? 1 : 0;
+          if (got == expected) continue;
+          ++kept_from;
+          wrong += got != old && !lacks_only_colours(got, expected) ? 1 : 0;
+        }
+        CHECK(wrong == 0);
+        CHECK(untold == 0);
+        CHECK(kept_from <= report.refused_blocks);
+        for (const auto& [key, values] : after) CHECK(whole.contains(key));
+        refused += report.refused_blocks;
+      }
+      CHECK(refused > 0);
+    }
+  }
+}
+
+TEST_CASE("a map that was full and has room again becomes what it would be anywhere") {
+  const hal::CameraModel camera = test::small_camera(60);
+  const auto frames = test::random_frames(camera, 5, 12);
+  MapperConfig config;
+  config.capacity = {1U << 14, 1U << 13, 1U << 14};
+  Mapper roomy(config, camera);
+  for (int i = 0; i < 2; ++i) (void)roomy.integrate(frames[4].frame, frames[4].T_world_camera);
+  config.capacity = {roomy.map().block_count(), 1U << 13, 1U << 14};  // room for one of the frames, not for all
+  test::EmulatedMapper emulated(config, camera, 12);
+  std::uint32_t refused = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    refused += emulated.integrate(frames[i].frame, frames[i].T_world_camera).refused_blocks;
+  }
+  REQUIRE(refused > 0);
+  for (std::uint32_t slot = 0; slot < emulated.map.slot_end(); ++slot) {
+    const BlockKey key = emulated.map.header(slot).key;
+    if (key != VoxelMap::kNoKey) emulated.map.erase_block(key);
+  }
+  for (int i = 0; i < 2; ++i) {
+    CHECK(emulated.integrate(frames[4].frame, frames[4].T_world_camera).refused_blocks == 0);
+  }
+  CHECK(map_hash(emulated.map) == map_hash(roomy.map()));
+}
+
+TEST_CASE("a card's table does not fill up with what it forgot, however long the map follows the robot") {
+  const hal::CameraModel camera = test::small_camera(32);
+  MapperConfig config;
+  config.resolution_m = 0.2F;
+  config.capacity = {256, 128, 128};
+  test::EmulatedMapper emulated(config, camera, 13);
+  const auto frames = test::random_frames(camera, 1, 13);
+  tests::Random random(13);
+  BlockValues values;
+  values.fill(3);
+  for (int round = 0; round < 60; ++round) {
+    for (const BlockKey key : emulated.map.sorted_keys()) emulated.map.erase_block(key);
+    for (int i = 0; i < 100; ++i) REQUIRE(emulated.map.write_block(random.below(1U << 30), values));
+    CHECK(emulated.integrate(frames[0].frame, frames[0].T_world_camera).refused_blocks == 0);
+  }
+  const cuda::Memory& memory = emulated.card->memory();
+  const std::span<const std::uint64_t> places{memory.table_keys, std::size_t{memory.table_mask} + 1};
+  const auto forgotten = std::count(places.begin(), places.end(), cuda::kForgotten);
+  const auto empty = std::count(places.begin(), places.end(), std::uint64_t{0});
+  CHECK(static_cast<std::size_t>(forgotten) < places.size() / 10);
+  CHECK(static_cast<std::size_t>(empty) > places.size() / 2);
 }

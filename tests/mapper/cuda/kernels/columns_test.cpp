@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <memory>
 #include <vector>
 
+#include "mapper/map_hash.hpp"
 #include "tests/support/emulated_mapper.hpp"
+#include "tests/support/faulty_card.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -81,5 +85,47 @@ TEST_CASE("columns from the card say what their voxels say", "[cuda]") {
       emulated.new_card(checked);  // a new one is told as well what to read
     }
     CHECK(checked > emulated.card->column_room());  // more than one round
+  }
+}
+
+TEST_CASE("a card whose columns fail or cannot be is lost with the frame") {
+  const hal::CameraModel camera = test::small_camera(60);
+  MapperConfig small_config;
+  small_config.capacity = {1U << 14, 1U << 13, 1U << 14};
+  const auto frames = test::random_frames(camera, 2, 12);
+  ColumnTables tables{};
+  tables.first_block_z = 4096 - 20;
+  tables.last_block_z = 4096 + 20;
+  tables.voxels_per_cell = 2;
+  for (auto& layer : tables.kinds) std::fill(std::begin(layer), std::end(layer), std::uint8_t{1});
+  for (std::uint8_t level = 17; level < kColumnLevels; ++level) tables.bits[1][level] = 1;
+  using Lie = std::function<void(const cuda::Columns&)>;
+  const std::vector<Lie> lies{
+      {},
+      [](const cuda::Columns& c) {
+        c.keys[0] = encode({4096, 4096, 4096 + 21});
+      },
+      [](const cuda::Columns& c) { c.keys[1] = BlockKey{1} << 40; },
+      [](const cuda::Columns& c) {
+        c.keys[0] = encode({4096, 4096, 4096});
+        c.cells[15] = 2;
+      },
+  };
+  for (std::size_t fault = 0; fault < lies.size() + 1; ++fault) {
+    INFO("fault " << fault);
+    test::EmulatedMapper emulated(small_config, camera, 12);
+    auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
+    emulated.twin.set_card(faulty);
+    emulated.twin.follow_columns(tables);
+    (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
+    CHECK_FALSE(emulated.twin.changed_columns().keys.empty());
+    if (fault < lies.size()) faulty->spoil_columns = lies[fault];
+    faulty->fails_to_answer = fault == lies.size();
+    const std::string before = map_hash(emulated.map);
+    FrameReport report;
+    const auto geometry = cpu::frame_geometry(emulated.sensor, hal::to_transform(frames[1].T_world_camera));
+    REQUIRE(geometry);
+    CHECK(emulated.twin.integrate(frames[1].frame, *geometry, true, 2, report) == (fault == 0));
+    CHECK((map_hash(emulated.map) == before) == (fault != 0));
   }
 }
