@@ -178,7 +178,7 @@ HelperState HelperProcess::wait_started(hal::TimeNs limit_ns) {
 }
 
 std::string HelperProcess::problem() const {
-  if (const std::string text = text_of(control_->problem); !text.empty()) return text;
+  if (std::string text = text_of(control_->problem); !text.empty()) return text;
   return ended_ ? "the helper process ended" : "the helper process does not answer";
 }
 
