@@ -44,8 +44,8 @@ inline constexpr std::uint32_t kSeenWords = kBlockVoxels / 32;  ///< one bit per
   const std::int32_t y = (w.cell[1] >> 3) - look.first[1];
   const std::int32_t z = (w.cell[2] >> 3) - look.first[2];
   const bool inside = x >= 0 && y >= 0 && z >= 0 && x < look.blocks[0] && y < look.blocks[1] && z < look.blocks[2];
-  const auto block = static_cast<std::uint64_t>(x + look.blocks[0] * (y + look.blocks[1] * z));
-  return inside ? block * kBlockVoxels + place_under(w) : ~std::uint64_t{0};
+  const std::int32_t block = x + look.blocks[0] * (y + look.blocks[1] * z);
+  return inside ? static_cast<std::uint64_t>(block) * kBlockVoxels + place_under(w) : ~std::uint64_t{0};
 }
 
 enum class LookEnd : std::uint8_t { open, blocked, near };

@@ -2,6 +2,7 @@
 #include "mapper/cuda/twin.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -144,7 +145,8 @@ bool Twin::are_sane(std::span<const BulkRay> rays, std::span<const BulkHit> hits
     if (hit.end > RayEnd::left_grid) return false;
     // A range may be no number; then this is what comes back.
     const bool is_open = hit.end == RayEnd::max_range;
-    if (is_open && std::memcmp(&hit.distance_m, &rays[i].max_range_m, sizeof(float)) != 0) return false;
+    const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+    if (is_open && bits(hit.distance_m) != bits(rays[i].max_range_m)) return false;
     // Through voxels and back, so the last bits may differ.
     if (!is_open && !(hit.distance_m >= 0.0F && hit.distance_m <= 1.0001F * rays[i].max_range_m + 1e-30F)) return false;
   }
