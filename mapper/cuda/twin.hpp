@@ -73,8 +73,8 @@ class Twin {
  private:
   [[nodiscard]] bool send_changes();
   [[nodiscard]] bool read_columns();
-  [[nodiscard]] bool forget_keys(std::span<const BlockKey> keys);
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
+  [[nodiscard]] bool forget_keys(std::span<const BlockKey> keys);
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
   [[nodiscard]] static bool are_sane(const Classes& classes, std::uint32_t count);

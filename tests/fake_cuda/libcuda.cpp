@@ -21,7 +21,6 @@ namespace {
 constexpr int kOutOfMemory = 2;
 constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
-constexpr int kNotSupported = 801;
 constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",    "walk_image_kernel",
                                          "find_work_kernel",      "update_map_1_kernel",  "update_map_4_kernel",
                                          "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
@@ -30,9 +29,7 @@ constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_ke
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
-constexpr int kProcessors = 2;
 char handles[32];
-bool confined = false;  // there is a stream that keeps to fewer multiprocessors, and everything must go there
 
 CuHandle handle(std::size_t number) { return reinterpret_cast<CuHandle>(handles + number); }
 void* host(CuDevicePointer p) { return reinterpret_cast<void*>(p); }
@@ -78,6 +75,10 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
   if (kernel == 12) begin_spread(block, m);
   if (kernel == 13) spread_round(block, m, argument<std::uint32_t>(arguments, 0));
 }
+
+constexpr int kNotSupported = 801;
+constexpr int kProcessors = 2;
+bool confined = false;  // there is a stream that keeps to fewer multiprocessors, and everything must go there
 
 bool cannot_map() { return std::getenv("FAKE_CUDA_CANNOT_MAP") != nullptr; }
 

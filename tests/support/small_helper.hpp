@@ -14,8 +14,7 @@ namespace g3d::test {
 
 class SmallHelper {
  public:
-  explicit SmallHelper(std::string_view kernels = mapper::cuda::carried_kernels(), std::uint32_t processors = 0,
-                       std::uint32_t grid_cells = 0) {
+  explicit SmallHelper(std::string_view kernels = mapper::cuda::carried_kernels(), std::uint32_t grid_cells = 0) {
     const std::vector<float> slopes(32, 0.0F);
     const std::vector<std::uint16_t> mask(32 * 24, 3000);
     helper_ = mapper::cuda::HelperProcess::start({.program = mapper::cuda::carried_helper(),
@@ -25,7 +24,6 @@ class SmallHelper {
                                                   .column_slope = slopes,
                                                   .row_slope = std::span(slopes).first(24),
                                                   .mask = mask,
-                                                  .processors = processors,
                                                   .patience_ns = 20'000'000'000},
                                                  problem_);
   }

@@ -50,7 +50,7 @@ TEST_CASE("a grid that does not fit, or has no start, is not asked about") {
 
 TEST_CASE("a helper answers about grids, refuses too large ones, and its lies are noticed") {
   const test::FakeCard driver(test::FakeDriver::works);
-  test::SmallHelper helper(cuda::carried_kernels(), 0, 64 * 64);
+  test::SmallHelper helper(cuda::carried_kernels(), 64 * 64);
   REQUIRE(helper.started() == cuda::HelperState::ready);
   const std::vector<std::uint8_t> costs(64 * 64);
   std::vector<std::uint32_t> distances(costs.size());

@@ -70,6 +70,7 @@ TEST_CASE("the helper program starts on a system with a C library as old as the 
 
 TEST_CASE("the kernels need nothing from elsewhere, and are small enough to be compiled when a robot starts") {
   const std::string_view kernels = carried_kernels();
+  CHECK(kernels.find(".visible .entry export_classes_kernel(") != std::string_view::npos);
   CHECK(kernels.find(".extern") == std::string_view::npos);
   CHECK(kernels.find("call") == std::string_view::npos);  // all is inlined: no stack, no library
   CHECK(kernels.find(".version", kernels.find(".version") + 1) == std::string_view::npos);

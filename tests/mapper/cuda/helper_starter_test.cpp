@@ -14,6 +14,17 @@ using namespace g3d::mapper::cuda;
 
 namespace {
 
+MemorySizes small_sizes() {
+  MemorySizes sizes{};
+  sizes.width_px = 32;
+  sizes.height_px = 24;
+  sizes.box_blocks = 512;
+  sizes.blocks = 256;
+  sizes.planes = 128;
+  sizes.bricks = 128;
+  return sizes;
+}
+
 constexpr hal::TimeNs kLong_ns = 20'000'000'000;
 
 struct Rig {
@@ -22,7 +33,7 @@ struct Rig {
   [[nodiscard]] HelperSetup setup() const {
     return {.program = carried_helper(),
             .kernels = carried_kernels(),
-            .sizes = {32, 24, 512, 0, 256, 128, 128},
+            .sizes = small_sizes(),
             .room = 16,
             .column_slope = slopes,
             .row_slope = std::span(slopes).first(24),
