@@ -64,11 +64,27 @@ $(PTX): mapper/cuda/kernels.cu
 	@mkdir -p $(@D)
 	$(SAY) $@
 	$(Q)$(if $(PTX_CLANG),$(PTX_CLANG) $(PTX_FLAGS) -MMD -MP -MT $@ -MF $@.d -o $@ $<,: >$@)
-$(HELPER): $(HELPER_SRC) mapper/cuda/helper/driver.hpp mapper/cuda/helper/card_session.hpp mapper/cuda/helper_protocol.hpp \
+# The helper meets the C library of the robot, down to the TX2's 2.27. So it is linked against libraries that have nothing
+# but these names, under the version that they have had from the start: what is newer does not link. Its start code gives
+# __libc_start_main no function that runs constructors, so it must have none (a test looks).
+OLD_LIBC := $(BUILD)/old_libc
+LIBC_CALLS := __libc_start_main __cxa_finalize syscall mmap lseek getppid nanosleep sleep memcpy memset
+LIBDL_CALLS := dlopen dlsym
+LIBC_VERSION = $(if $(filter aarch64%,$(shell $(CXX) -dumpmachine)),GLIBC_2.17,GLIBC_2.2.5)
+$(OLD_LIBC)/libc.so.6: CALLS := $(LIBC_CALLS)
+$(OLD_LIBC)/libdl.so.2: CALLS := $(LIBDL_CALLS)
+$(OLD_LIBC)/libc.so.6 $(OLD_LIBC)/libdl.so.2: Makefile
+	@mkdir -p $(@D)
+	@echo '$(LIBC_VERSION) { *; };' >$@.map
+	@printf 'extern "C" void %s() {}\n' $(CALLS) | \
+	  $(CXX) -x c++ - -fno-builtin -nostdlib -shared -fPIC -Wl,-soname,$(@F) -Wl,--version-script=$@.map -o $@
+$(HELPER): $(OLD_LIBC)/libc.so.6 $(OLD_LIBC)/libdl.so.2
+$(HELPER): $(HELPER_SRC) $(wildcard mapper/cuda/helper/*.hpp) mapper/cuda/helper_protocol.hpp \
   mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp
 	@mkdir -p $(@D)
 	$(SAY) $@
-	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -static-libgcc -static-libstdc++ -o $@ $(HELPER_SRC) -ldl
+	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -nodefaultlibs -o $@ $(HELPER_SRC) \
+	  -Wl,--no-as-needed $(OLD_LIBC)/libdl.so.2 $(OLD_LIBC)/libc.so.6
 $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
 
@@ -108,7 +124,7 @@ $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cu
 	$(SAY) $@
 	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
-$(BUILD)/unit_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
+$(BUILD)/unit_tests $(BUILD)/thread_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
@@ -160,7 +176,7 @@ $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
 # For a machine with nothing but an NVIDIA driver: scripts/gpu-test.
-$(BUILD)/gpu_bench: $(BUILD)/tests/bench/gpu_bench.o $(SUPPORT) $(LIB)
+$(BUILD)/gpu_bench $(BUILD)/gpu_query_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
@@ -186,6 +202,10 @@ build/tidy/%.ok: %.cpp .clang-tidy
 	$(Q)findings=$$(clang-tidy --quiet $< -- $(TIDY_FLAGS) 2>&1) || { echo "$$findings"; exit 1; }
 	@touch $@
 lint: house tidy ## house and tidy
+
+.PHONY: ptxas
+ptxas: $(PTX) ## registers and spills of the kernels on real cards, where NVIDIA's assembler is installed
+	scripts/check-ptx $<
 
 # The version is compiled into one object, and only when it changed.
 $(BUILD)/version.txt: force

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mapper/cpu/block_updater.hpp"
+#include "mapper/cpu/bulk_rays.hpp"
 #include "mapper/cpu/depth_pyramid.hpp"
 #include "mapper/cpu/exact_rays.hpp"
 #include "mapper/cpu/free_space.hpp"
@@ -83,7 +84,8 @@ struct Mapper::Parts {
         pyramid(camera.width_px, camera.height_px),
         hits(sensor),
         updater(map, sensor, settings.steps),
-        free_space(make_free_space(settings, sensor)) {
+        free_space(make_free_space(settings, sensor)),
+        look_counter(sensor) {
     map.touch();
     if (settings.backend != Backend::cpu) card = std::make_unique<cuda::CardKeeper>(config, sensor, scan_mask, map);
   }
@@ -111,6 +113,7 @@ struct Mapper::Parts {
   cpu::HitScatter hits;
   cpu::BlockUpdater updater;
   std::unique_ptr<cpu::FreeSpace> free_space;
+  cpu::LookCounter look_counter;
   std::unique_ptr<cuda::CardKeeper> card;
   bool last_on_card = false;
   std::uint32_t frame_number = 0;
@@ -156,6 +159,13 @@ FrameReport Mapper::finish_frame() {
 
 cuda::ChangedClasses Mapper::card_classes() const {
   return parts_->last_on_card ? parts_->card->changed_classes() : cuda::ChangedClasses{};
+}
+
+void Mapper::follow_columns(const ColumnTables& tables) {
+  if (parts_->card != nullptr) parts_->card->follow_columns(tables);
+}
+ChangedColumns Mapper::card_columns() const {
+  return parts_->last_on_card ? parts_->card->changed_columns() : ChangedColumns{};
 }
 
 void Mapper::Parts::integrate_here(const hal::Frame& frame, const cpu::FrameGeometry& geometry, const std::uint8_t* rgb,
@@ -210,6 +220,29 @@ void Mapper::free_footprint(const std::array<double, 3>& base_m, double radius_m
       }
     }
   }
+}
+
+// While a frame is in the card and not yet in the mirror, the mirror is what map() says.
+void Mapper::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits) {
+  Parts& p = *parts_;
+  if (p.card != nullptr && p.begun_frame == nullptr && p.card->cast_rays(rays, hits)) return;
+  cpu::cast_bulk_rays(p.map, rays, hits, p.pool);
+}
+
+Look Mapper::look_from(const hal::Pose& T_world_camera) const {
+  return cpu::look_from(parts_->sensor, hal::to_transform(T_world_camera));
+}
+
+void Mapper::count_looks(std::span<Look> looks, int stride_px) {
+  Parts& p = *parts_;
+  const LookModel model = cpu::look_model(p.sensor, stride_px);
+  if (p.card != nullptr && p.begun_frame == nullptr && p.card->count_looks(model, looks)) return;
+  for (Look& look : looks) look.gain = {};  // what a card that was lost has left there
+  p.look_counter.count(p.map, model, looks, p.pool);
+}
+
+std::size_t Mapper::rays_from(const hal::Pose& T_world_camera, int stride_px, std::span<BulkRay> rays) const {
+  return cpu::rays_from(parts_->sensor, hal::to_transform(T_world_camera), stride_px, rays);
 }
 
 std::span<const std::uint32_t> Mapper::changed_slots() const {

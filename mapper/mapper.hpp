@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "hal/messages.hpp"
+#include "mapper/column_bits.hpp"
+#include "mapper/look.hpp"
 #include "mapper/rgbo.hpp"
 #include "mapper/voxel_map.hpp"
 
@@ -60,7 +62,9 @@ struct CardReport {
   std::string problem;  ///< why not, or why it was lost; empty: nothing went wrong
   std::uint64_t memory_bytes = 0;
   std::uint64_t frames_on_card = 0;
-  std::uint64_t frames_on_cpu = 0;  ///< since there was to be a card
+  std::uint64_t frames_on_cpu = 0;      ///< since there was to be a card
+  std::uint64_t questions_on_card = 0;  ///< batches of rays or looks
+  std::uint64_t questions_on_cpu = 0;
   std::uint32_t losses = 0;  ///< times that its helper died, hung or failed; the CPU took over in that very frame
 };
 
@@ -104,8 +108,26 @@ class Mapper {
   /// After begin_frame() returned true. Empty if they were too many to be sent at once.
   [[nodiscard]] cuda::ChangedClasses card_classes() const;
 
+  /// From now on a card also tells after begin_frame() what the changed blocks say about the floor below them, so that
+  /// nobody has to look at their voxels.
+  void follow_columns(const ColumnTables& tables);
+  /// After begin_frame() returned true, until the next one. Without an answer look at the map instead.
+  [[nodiscard]] ChangedColumns card_columns() const;
+
   /// Takes the robot's own footprint as free: a vertical cylinder standing on `base`. For the start, before any frame.
   void free_footprint(const std::array<double, 3>& base_m, double radius_m, double height_m);
+
+  // Questions in bulk about map(), answered by the card if it has one, else by all threads of the mapper. Both give the
+  // same answers. Nothing is allocated.
+  /// One hit per ray. See cast_ray() for a single one.
+  void cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
+  /// A look of the mapper's camera from a pose; one ray for `stride_px` columns and rows.
+  [[nodiscard]] Look look_from(const hal::Pose& T_world_camera) const;
+  /// Fills in the gains: what each look would newly show. They are zero before.
+  void count_looks(std::span<Look> looks, int stride_px);
+  /// What the camera is expected to measure from there: rays for cast_rays(), row by row, at most rays.size(). The
+  /// depth of a hit is distance_m / |direction|. Returns how many.
+  std::size_t rays_from(const hal::Pose& T_world_camera, int stride_px, std::span<BulkRay> rays) const;
 
   /// Slots of the blocks that the last integrate() changed, each once. Valid until the next call.
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const;

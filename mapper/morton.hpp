@@ -56,4 +56,11 @@ inline constexpr std::uint64_t kPlaceMask = kBlockVoxels - 1;
 [[nodiscard]] constexpr VoxelIndex block_origin(BlockKey key) { return decode(key << kBlockShift); }
 [[nodiscard]] constexpr BlockKey block_of(const VoxelIndex& v) { return encode(v) >> kBlockShift; }
 
+/// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.
+[[nodiscard]] constexpr std::uint32_t spread_three(std::uint32_t v) { return (v & 1U) | (v & 2U) << 2 | (v & 4U) << 4; }
+[[nodiscard]] constexpr std::uint32_t place_at(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return spread_three(static_cast<std::uint32_t>(x)) | spread_three(static_cast<std::uint32_t>(y)) << 1 |
+         spread_three(static_cast<std::uint32_t>(z)) << 2;
+}
+
 }  // namespace g3d::mapper

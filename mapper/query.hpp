@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapper/ray_walk.hpp"
 #include "mapper/voxel_map.hpp"
 
 namespace g3d::mapper {
@@ -20,7 +21,6 @@ enum class NodeState : std::uint8_t { unknown, free, occupied, mixed };
 /// State of the ancestor `levels_up` (0..16) above a voxel, that is of all voxels with the same `M >> 3 levels_up`.
 [[nodiscard]] NodeState node_state(const VoxelMap& map, MCode code, int levels_up);
 
-enum class RayEnd : std::uint8_t { occupied, unknown, max_range, left_grid };
 struct RayHit {
   RayEnd end = RayEnd::max_range;
   VoxelIndex voxel;       ///< the last one looked at
@@ -30,7 +30,8 @@ struct RayOptions {
   double max_range_m = 10.0;
   bool stop_at_unknown = false;
 };
-/// Walks every voxel that the ray passes through (Amanatides and Woo), the one it starts in first.
+/// Walks every voxel that the ray passes through (Amanatides and Woo), the one it starts in first. For many rays at
+/// once see Mapper::cast_rays().
 /// `direction` need not be of unit length; if it is zero or no number, nothing is found.
 [[nodiscard]] RayHit cast_ray(const VoxelMap& map, const std::array<double, 3>& origin_m,
                               const std::array<double, 3>& direction, const RayOptions& options = {});

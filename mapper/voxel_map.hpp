@@ -74,6 +74,7 @@ struct MapMemory {
 struct BlockJournal {
   explicit BlockJournal(std::size_t room) : keys(room) {}
   void note(BlockKey key) {
+    if (count > 0 && keys[count - 1] == key) return;
     if (count < keys.size()) {
       keys[count++] = key;
     } else {

@@ -9,16 +9,17 @@ using mapper::kBlockSide_cells;
 using mapper::State;
 
 ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std::uint8_t speckle_level)
-    : voxels_per_cell_(voxels_per_cell),
-      cells_per_block_(kBlockSide_cells / voxels_per_cell),
-      first_block_z_(layers.first() / kBlockSide_cells),
-      last_block_z_(std::min(layers.last() / kBlockSide_cells, first_block_z_ + kMaxBlocks - 1)) {
+    : cells_per_block_(kBlockSide_cells / voxels_per_cell) {
+  tables_.first_block_z = layers.first() / kBlockSide_cells;
+  tables_.last_block_z =
+      std::min(layers.last() / kBlockSide_cells, tables_.first_block_z + mapper::kMostColumnLayers - 1);
+  tables_.voxels_per_cell = voxels_per_cell;
   const auto set_meaning = [&](Layer kind, std::size_t level, State state, Evidence if_free, Evidence if_occupied) {
-    meaning_[static_cast<std::size_t>(kind)][level] = state == State::free       ? if_free
-                                                      : state == State::occupied ? if_occupied
-                                                                                 : Evidence{0};
+    tables_.bits[static_cast<std::size_t>(kind)][level] = state == State::free       ? if_free
+                                                          : state == State::occupied ? if_occupied
+                                                                                     : Evidence{0};
   };
-  for (std::uint8_t level = 0; level < kLevels; ++level) {
+  for (std::uint8_t level = 0; level < mapper::kColumnLevels; ++level) {
     const State state = mapper::state_of_level(level);
     const Evidence hit = level > speckle_level ? kHitOnce | kObstacle : kHitOnce;
     set_meaning(Layer::drop, level, state, kDropSeen, 0);
@@ -27,16 +28,16 @@ ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std:
     set_meaning(Layer::air, level, state, kAirSeen, hit);
     set_meaning(Layer::upper_band, level, state, 0, hit);
   }
-  for (std::int32_t block_z = first_block_z_; block_z <= last_block_z_; ++block_z) {
+  for (std::int32_t block_z = first_block_z(); block_z <= last_block_z(); ++block_z) {
     for (std::int32_t z = 0; z < kBlockSide_cells; ++z) {
       const std::int32_t layer = block_z * kBlockSide_cells + z;
-      kinds_[static_cast<std::size_t>(block_z - first_block_z_)][static_cast<std::size_t>(z)] =
-          layers.drop.contains(layer)    ? Layer::drop
-          : layers.floor.contains(layer) ? Layer::floor
-          : layers.low.contains(layer)   ? Layer::low
-          : layers.air.contains(layer)   ? Layer::air
-          : layers.band.contains(layer)  ? Layer::upper_band
-                                         : Layer::none;
+      const Layer kind = layers.drop.contains(layer)    ? Layer::drop
+                         : layers.floor.contains(layer) ? Layer::floor
+                         : layers.low.contains(layer)   ? Layer::low
+                         : layers.air.contains(layer)   ? Layer::air
+                         : layers.band.contains(layer)  ? Layer::upper_band
+                                                        : Layer::none;
+      tables_.kinds[block_z - first_block_z()][z] = static_cast<std::uint8_t>(kind);
     }
   }
   for (std::size_t place = 0; place < mapper::kBlockVoxels; ++place) {
@@ -48,9 +49,9 @@ ColumnReader::ColumnReader(const GroundLayers& layers, int voxels_per_cell, std:
 
 void ColumnReader::read(const mapper::VoxelMap& map, std::uint32_t slot, std::int32_t block_z, Cells cells) const {
   cells = cells.first(static_cast<std::size_t>(cells_per_block_) * static_cast<std::size_t>(cells_per_block_));
-  const auto& kinds = kinds_[static_cast<std::size_t>(block_z - first_block_z_)];
+  const auto& kinds = tables_.kinds[block_z - first_block_z()];
   Meanings meanings{};
-  for (std::size_t z = 0; z < kinds.size(); ++z) meanings[z] = meaning_[static_cast<std::size_t>(kinds[z])].data();
+  for (std::size_t z = 0; z < meanings.size(); ++z) meanings[z] = tables_.bits[kinds[z]];
   const mapper::BlockHeader& header = map.header(slot);
   if (header.plane == mapper::kNoSlot) {
     read_uniform(header.uniform_level, meanings, cells);
@@ -63,7 +64,7 @@ void ColumnReader::read_uniform(std::uint8_t level, const Meanings& meanings, Ce
   Evidence all = 0;
   for (const Evidence* meaning : meanings) {
     const Evidence one = meaning[level & mapper::kLevelMask];
-    all = together(all, voxels_per_cell_ > 1 ? together(one, one) : one);
+    all = together(all, tables_.voxels_per_cell > 1 ? together(one, one) : one);
   }
   std::fill(cells.begin(), cells.end(), all);
 }

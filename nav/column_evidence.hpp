@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "mapper/column_bits.hpp"
 #include "mapper/voxel_map.hpp"
 #include "nav/ground_layers.hpp"
 
@@ -22,8 +23,8 @@ inline constexpr Evidence kLowSeen = 32;   ///< a free voxel of the low layers
 
 /// Of voxels, or blocks, one above the other. Whatever is hit twice in the band is an obstacle.
 [[nodiscard]] constexpr Evidence together(Evidence a, Evidence b) {
-  static_assert(kObstacle == kHitOnce << 1);
-  return static_cast<Evidence>(a | b | ((a & b & kHitOnce) << 1));
+  static_assert(kHitOnce == mapper::kCountedBit && kObstacle == kHitOnce << 1);
+  return mapper::joined_bits(a, b);
 }
 /// Of a whole column: where there is floor there is no drop.
 [[nodiscard]] constexpr Evidence settled(Evidence column) {
@@ -36,8 +37,10 @@ class ColumnReader {
 
   [[nodiscard]] int cells_per_block() const { return cells_per_block_; }
   /// Block layers (voxel layer / 8) that matter, both ends included.
-  [[nodiscard]] std::int32_t first_block_z() const { return first_block_z_; }
-  [[nodiscard]] std::int32_t last_block_z() const { return last_block_z_; }
+  [[nodiscard]] std::int32_t first_block_z() const { return tables_.first_block_z; }
+  [[nodiscard]] std::int32_t last_block_z() const { return tables_.last_block_z; }
+  /// The same for a mapper that reads blocks itself.
+  [[nodiscard]] const mapper::ColumnTables& tables() const { return tables_; }
 
   /// `cells[y * cells_per_block + x]`; the others are not touched.
   using Cells = std::span<Evidence>;
@@ -46,22 +49,15 @@ class ColumnReader {
 
  private:
   enum class Layer : std::uint8_t { none, drop, floor, low, air, upper_band };
-  static constexpr std::size_t kLayerKinds = 6;
-  static constexpr std::size_t kLevels = mapper::kLevelMask + 1;
-  static constexpr std::int32_t kMaxBlocks = 64;
   /// What a level means in each of the eight layers of a block.
   using Meanings = std::array<const Evidence*, mapper::kBlockSide_cells>;
 
   void read_uniform(std::uint8_t level, const Meanings& meanings, Cells cells) const;
   void read_plane(const mapper::LevelPlane& levels, const Meanings& meanings, Cells cells) const;
 
-  int voxels_per_cell_;
   int cells_per_block_;
-  std::int32_t first_block_z_;
-  std::int32_t last_block_z_;
-  std::array<std::array<Evidence, kLevels>, kLayerKinds> meaning_{};             ///< [kind of layer][level]
-  std::array<std::array<Layer, mapper::kBlockSide_cells>, kMaxBlocks> kinds_{};  ///< [block layer][z in it]
-  std::array<std::uint8_t, mapper::kBlockVoxels> cell_of_place_{};               ///< which cell a voxel stands on
+  mapper::ColumnTables tables_{};
+  std::array<std::uint8_t, mapper::kBlockVoxels> cell_of_place_{};  ///< which cell a voxel stands on
   std::array<std::uint8_t, mapper::kBlockVoxels> z_of_place_{};
 };
 

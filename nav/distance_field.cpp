@@ -6,6 +6,26 @@
 
 namespace g3d::nav {
 
+static_assert(DistanceField::kUnreached == mapper::kNotReached);
+
+mapper::GridSpread spread_of(const CellGrid<std::uint8_t>& cost, Cell start, const DistanceOptions& options) {
+  mapper::GridSpread spread{};
+  spread.columns = cost.columns;
+  spread.rows = cost.rows;
+  spread.start_x = start.x;
+  spread.start_y = start.y;
+  spread.max_cost = std::min(options.max_cost, SearchLabels::kRange - 1);
+  spread.relief_cells =
+      cost.contains(start) && StepRule(cost, start, options.steps).gives_relief() ? options.steps.relief_cells : -1;
+  const auto set = [](const StepCosts& from, mapper::StepPrices& to) {
+    std::copy(from.straight.begin(), from.straight.end(), to.straight);
+    std::copy(from.diagonal.begin(), from.diagonal.end(), to.diagonal);
+  };
+  set(make_step_costs(options.steps), spread.prices[0]);
+  set(make_relief_costs(options.steps), spread.prices[1]);
+  return spread;
+}
+
 // A cell waits in the queue at most once for each neighbour that it can be reached from.
 DistanceField::DistanceField(std::size_t max_cells) : labels_(max_cells), reached_(max_cells), open_(8 * max_cells) {}
 

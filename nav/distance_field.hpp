@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "mapper/grid_spread.hpp"
 #include "mapper/pool.hpp"
 #include "nav/bucket_queue.hpp"
 #include "nav/cell_grid.hpp"
@@ -21,6 +22,10 @@ struct DistanceOptions {
   StepOptions steps;
   std::uint32_t max_cost = SearchLabels::kRange - 1;  ///< farther cells count as not reached
 };
+
+/// The same question for a card; its answers are cost_to(), by cell index.
+[[nodiscard]] mapper::GridSpread spread_of(const CellGrid<std::uint8_t>& cost, Cell start,
+                                           const DistanceOptions& options = {});
 
 class DistanceField {
  public:

@@ -2,6 +2,7 @@
 #include "nav/ground_map.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace g3d::nav {
@@ -78,6 +79,24 @@ void GroundMap::update(const VoxelMap& map, std::span<const std::uint32_t> chang
   read_noted_blocks(map);
 }
 
+void GroundMap::update(const mapper::ChangedColumns& columns) {
+  forget_published_changes();
+  const std::size_t cells = columns.cells_per_block;
+  assert(columns.keys.empty() || cells == mapper::cells_of(reader_.tables()));
+  for (std::size_t i = 0; i < columns.keys.size(); ++i) {
+    if (!note_block(columns.keys[i])) continue;
+    std::copy_n(columns.cells + i * cells, cells, block_evidence_.data() + places_.back() * cells);
+  }
+  std::sort(places_.begin(), places_.end());
+  sum_up_noted();
+}
+
+void GroundMap::note_slots(const VoxelMap& map, std::span<const std::uint32_t> changed_slots) {
+  for (const std::uint32_t slot : changed_slots) {
+    if (slot < slot_key_.size()) slot_key_[slot] = map.header(slot).key;
+  }
+}
+
 void GroundMap::rebuild(const VoxelMap& map) {
   forget_published_changes();
   block_evidence_.reset();
@@ -97,23 +116,29 @@ void GroundMap::forget_published_changes() {
   published_ = 0;
 }
 
-void GroundMap::note_block(BlockKey key) {
-  if (key == VoxelMap::kNoKey) return;
+bool GroundMap::note_block(BlockKey key) {
+  if (key == VoxelMap::kNoKey) return false;
   const mapper::VoxelIndex block = mapper::decode(key);
-  if (block.z < reader_.first_block_z() || block.z > reader_.last_block_z()) return;
+  if (block.z < reader_.first_block_z() || block.z > reader_.last_block_z()) return false;
   const std::int32_t column = block.x - first_block_x_;
   const std::int32_t row = block.y - first_block_y_;
-  if (column < 0 || row < 0 || column >= side_blocks_ || row >= side_blocks_) return;
+  if (column < 0 || row < 0 || column >= side_blocks_ || row >= side_blocks_) return false;
   const std::int32_t layer = block.z - reader_.first_block_z();
   places_.push_back(static_cast<std::uint32_t>((row * side_blocks_ + column) * block_layers_ + layer));
+  return true;
 }
 
 void GroundMap::read_noted_blocks(const VoxelMap& map) {
   // The order in which a frame's blocks are reported depends on threads; what comes out of here must not.
   std::sort(places_.begin(), places_.end());
+  for (const std::uint32_t place : places_) read_block(map, place);
+  sum_up_noted();
+}
+
+/// Stack by stack; places_ is sorted.
+void GroundMap::sum_up_noted() {
   const auto layers = static_cast<std::uint32_t>(block_layers_);
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    read_block(map, places_[i]);
     const std::uint32_t stack = places_[i] / layers;
     if (i + 1 == places_.size() || places_[i + 1] / layers != stack) sum_up_stack(stack);
   }

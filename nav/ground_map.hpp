@@ -46,6 +46,11 @@ class GroundMap {
   /// Takes over what changed. A slot that is empty now has the block forgotten that it was last reported with. Blocks
   /// that leave without being reported (paged out, their slots perhaps taken by others) stay known here as they were.
   void update(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots);
+  /// The same from what a card has read, by column_tables(): before the voxel map is up to date. When it is,
+  /// note_slots() must be told, so that the loss of these blocks is noticed as after update().
+  void update(const mapper::ChangedColumns& columns);
+  void note_slots(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots);
+  [[nodiscard]] const mapper::ColumnTables& column_tables() const { return reader_.tables(); }
   /// Everything anew. Marks stay.
   void rebuild(const mapper::VoxelMap& map);
 
@@ -83,7 +88,8 @@ class GroundMap {
     return states_.contains(c) && (evidence_[states_.index(c)] & bit) != 0;
   }
   void forget_published_changes();
-  void note_block(mapper::BlockKey key);
+  bool note_block(mapper::BlockKey key);
+  void sum_up_noted();
   void read_noted_blocks(const mapper::VoxelMap& map);
   void read_block(const mapper::VoxelMap& map, std::uint32_t place);
   void sum_up_stack(std::uint32_t stack);

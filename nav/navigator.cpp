@@ -44,8 +44,9 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
   chooser_->prepare(floor_.states(), floor_.cost());
 }
 
-void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs) {
-  floor_.on_map(map, changed_slots, base_.T_world_base);
+void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
+                       const mapper::ChangedColumns& columns, TimeNs) {
+  floor_.on_map(map, changed_slots, base_.T_world_base, columns);
 }
 
 void Navigator::on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,

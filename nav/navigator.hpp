@@ -74,8 +74,10 @@ class Navigator {
  public:
   Navigator(const mapper::Grid& grid, const NavigatorConfig& config);
 
-  /// After every frame: the blocks that it changed.
-  void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots, TimeNs now);
+  /// After every frame: the blocks that it changed, and their columns if a card has read them by column_tables().
+  void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
+              const mapper::ChangedColumns& columns, TimeNs now);
+  [[nodiscard]] const mapper::ColumnTables& column_tables() const { return ground().column_tables(); }
   /// After every frame as well, with the pose it was taken from: for what is too near to be mapped.
   void on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
                 TimeNs now);

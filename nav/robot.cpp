@@ -14,7 +14,9 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       driver_(config.driver),
       mapper_(config.mapper, config.camera, {}),
       navigator_(mapper_.map().grid(), config.navigator),
-      senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}) {}
+      senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}) {
+  mapper_.follow_columns(navigator_.column_tables());
+}
 
 hal::PlanarPose Robot::T_world_base() const { return senses_.in_world(driver_.state().T_world_base); }
 
@@ -66,7 +68,7 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   refused_blocks_ += report.refused_blocks;
   ++frames_.integrated;
   last_frame_pose_ = sight.T_world_camera;
-  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), now);
+  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
   navigator_.on_frame(frame, config_.camera, base, now);
 }
 

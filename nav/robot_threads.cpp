@@ -54,7 +54,9 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
       pool_(config.robot.camera, frames_waiting(config) + 2),
       to_mapper_(frames_waiting(config)),
-      poses_(kPosesWaiting) {}
+      poses_(kPosesWaiting) {
+  mapper_.follow_columns(navigator_.column_tables());
+}
 
 RobotThreads::~RobotThreads() { stop(); }
 
@@ -213,7 +215,7 @@ void RobotThreads::step(hal::TimeNs now) {
 
 void RobotThreads::take_map(hal::TimeNs now) {
   if (!navigators_turn_.load(std::memory_order_acquire)) return;
-  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), now);
+  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
   navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.T_world_base, now);
   navigators_turn_.store(false, std::memory_order_release);
   map_waits_.wake();

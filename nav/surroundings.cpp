@@ -66,9 +66,14 @@ void Surroundings::take_over_changes() {
 }
 
 void Surroundings::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
-                          const hal::PlanarPose& T_world_base) {
+                          const hal::PlanarPose& T_world_base, const mapper::ChangedColumns& columns) {
   take_over_changes();  // marks since the last frame
-  ground_.update(map, changed_slots);
+  if (columns.cells_per_block != 0) {
+    ground_.update(columns);
+    ground_.note_slots(map, changed_slots);
+  } else {
+    ground_.update(map, changed_slots);
+  }
   taken_over_ = 0;
   take_over_changes();
   if (!has_frames_) low_view_.look(ground_.states(), T_world_base);

@@ -50,8 +50,9 @@ class Surroundings final : public FloorKnowledge {
  public:
   Surroundings(const mapper::Grid& grid, const SurroundingsConfig& config);
 
+  /// `columns`: of the same blocks, if a card has read them.
   void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
-              const hal::PlanarPose& T_world_base);
+              const hal::PlanarPose& T_world_base, const mapper::ChangedColumns& columns = {});
   void on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
                 TimeNs now);
   /// The body is here, now.

@@ -24,7 +24,8 @@ class Card {
   [[nodiscard]] virtual std::uint32_t class_room() const = 0;
 
   // False: the card is lost, and what it was asked for may have happened or not.
-  /// Takes `count` parcels into its map.
+  /// Takes `count` parcels into its map; either all of them erase, or none does. 0: makes what earlier ones gave back
+  /// ready to be taken by the next.
   virtual bool import_blocks(std::uint32_t count) = 0;
   /// Begins with the input; only the colours may still come.
   virtual bool begin_frame() = 0;
@@ -32,6 +33,27 @@ class Card {
   virtual bool finish_frame(FrameCounters& counters) = 0;
   /// Makes parcels of the changed blocks from number `first` on.
   virtual bool send_blocks(std::uint32_t first) = 0;
+
+  /// How read_columns() is to read; at any time.
+  virtual bool set_columns(const ColumnTables& tables) = 0;
+  /// After a frame and before anything else changes the map: reads the changed blocks from number `first` on.
+  virtual bool read_columns(std::uint32_t first) = 0;
+  [[nodiscard]] virtual const Columns& columns() = 0;
+  [[nodiscard]] virtual std::uint32_t column_room() const = 0;
+
+  // Between frames
+  /// Filled by the caller, up to the room for each; the answers stand in them until the next question.
+  [[nodiscard]] virtual const Queries& queries() = 0;
+  [[nodiscard]] virtual std::uint32_t ray_room() const = 0;
+  [[nodiscard]] virtual std::uint32_t look_room() const = 0;
+  virtual bool cast_rays(std::uint32_t count, float resolution_m) = 0;
+  /// The gains must be zero.
+  virtual bool count_looks(std::uint32_t count, const LookModel& model) = 0;
+
+  // At any time; ask_grid.hpp knows how
+  [[nodiscard]] virtual const GridQuestion& grid_question() = 0;
+  [[nodiscard]] virtual std::uint32_t grid_room() const = 0;
+  virtual bool spread_grid() = 0;
 };
 
 }  // namespace g3d::mapper::cuda

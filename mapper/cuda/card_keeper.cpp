@@ -20,21 +20,31 @@ constexpr std::uint32_t kMostFramesToRestart = 1024;  // a card that is lost aga
 CardKeeper::CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor,
                        std::span<const std::uint16_t> scan_mask, VoxelMap& mirror)
     : sensor_(sensor), patience_ns_(config.card_patience_ns), twin_(config, sensor, scan_mask, mirror) {
-  start_helper();
+  helper_ = HelperProcess::start(setup(), report_.problem);
   if (helper_ != nullptr) take_if_ready(helper_->wait_started(kStartLimit_ns));
   frames_until_start_ = 0;  // a driver that is not there now will not come
+  if (helper_ != nullptr) starter_ = std::make_unique<HelperStarter>(setup());
 }
 
-void CardKeeper::start_helper() {
-  if (lost_process_ > 0 && waitpid(lost_process_, nullptr, WNOHANG) != 0) lost_process_ = -1;
-  const HelperSetup setup{.program = carried_helper(),
-                          .kernels = carried_kernels(),
-                          .sizes = twin_.builder().sizes(),
-                          .column_slope = sensor_.column_slope,
-                          .row_slope = sensor_.row_slope,
-                          .mask = twin_.builder().mask(),
-                          .patience_ns = patience_ns_};
-  helper_ = HelperProcess::start(setup, report_.problem);
+HelperSetup CardKeeper::setup() const {
+  return {.program = carried_helper(),
+          .kernels = carried_kernels(),
+          .sizes = twin_.builder().sizes(),
+          .column_slope = sensor_.column_slope,
+          .row_slope = sensor_.row_slope,
+          .mask = twin_.builder().mask(),
+          .patience_ns = patience_ns_};
+}
+
+void CardKeeper::come_back() {
+  if (helper_ != nullptr) {
+    take_if_ready(helper_->state());
+  } else if (starter_ != nullptr && starter_->is_under_way()) {
+    if (starter_->take(helper_, report_.problem) && helper_ == nullptr) start_later();
+  } else if (frames_until_start_ > 0 && --frames_until_start_ == 0) {
+    if (lost_process_ > 0 && waitpid(lost_process_, nullptr, WNOHANG) != 0) lost_process_ = -1;
+    starter_->ask();
+  }
 }
 
 void CardKeeper::take_if_ready(HelperState state) {
@@ -66,14 +76,7 @@ void CardKeeper::lose() {
 
 bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
                        std::uint32_t frame_number) {
-  if (!twin_.has_card()) {
-    if (helper_ != nullptr) {
-      take_if_ready(helper_->state());
-    } else if (frames_until_start_ > 0 && --frames_until_start_ == 0) {
-      start_helper();
-      if (helper_ == nullptr) start_later();
-    }
-  }
+  if (!twin_.has_card()) come_back();
   if (twin_.has_card()) {
     begun_ = {};
     if (twin_.begin(frame, geometry, with_colour, frame_number, begun_)) return true;
@@ -81,6 +84,20 @@ bool CardKeeper::begin(const hal::Frame& frame, const cpu::FrameGeometry& geomet
   }
   ++report_.frames_on_cpu;
   return false;
+}
+
+bool CardKeeper::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits) {
+  return answered(twin_.has_card() && twin_.cast_rays(rays, hits));
+}
+
+bool CardKeeper::count_looks(const LookModel& model, std::span<Look> looks) {
+  return answered(twin_.has_card() && twin_.count_looks(model, looks));
+}
+
+bool CardKeeper::answered(bool by_card) {
+  if (!by_card && twin_.has_card()) lose();
+  ++(by_card ? report_.questions_on_card : report_.questions_on_cpu);
+  return by_card;
 }
 
 bool CardKeeper::finish(FrameReport& report) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "mapper/cuda/helper_process.hpp"
+#include "mapper/cuda/helper_starter.hpp"
 #include "mapper/cuda/twin.hpp"
 #include "mapper/mapper.hpp"
 
@@ -26,6 +27,11 @@ class CardKeeper {
                            std::uint32_t frame_number);
   /// See Twin::finish(). After begin() returned true; false as there.
   [[nodiscard]] bool finish(FrameReport& report);
+  void follow_columns(const ColumnTables& tables) { twin_.follow_columns(tables); }
+  [[nodiscard]] ChangedColumns changed_columns() const { return twin_.changed_columns(); }
+  /// See Twin. False: there is no card, or it was lost, and the CPU twin answers.
+  [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
+  [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
   [[nodiscard]] ChangedClasses changed_classes() const { return twin_.changed_classes(); }
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return twin_.changed_slots(); }
   [[nodiscard]] bool is_ready() const { return twin_.has_card(); }
@@ -33,16 +39,20 @@ class CardKeeper {
   [[nodiscard]] int process() const { return helper_ != nullptr ? helper_->pid() : -1; }
 
  private:
-  void start_helper();
+  [[nodiscard]] HelperSetup setup() const;
+  /// The next step of a card that is to come back.
+  void come_back();
   void take_if_ready(HelperState state);
   void start_later();
   void lose();
+  bool answered(bool by_card);
 
   const cpu::SensorGeometry& sensor_;
   hal::TimeNs patience_ns_;
   Twin twin_;
   std::shared_ptr<HelperProcess> helper_;
-  int lost_process_ = -1;  ///< the last one that was lost, until the system has done away with it
+  std::unique_ptr<HelperStarter> starter_;  ///< for those after the first one, if that one found a card
+  int lost_process_ = -1;                   ///< the last one that was lost, until the system has done away with it
   CardReport report_;
   FrameReport begun_;                     ///< of the frame in hand
   std::uint32_t troubles_ = 0;            ///< losses, and helpers that did not come up again

@@ -13,13 +13,24 @@ namespace {
 
 constexpr std::uint32_t kRoom = 512;  // little, so that tests see more than one round
 constexpr std::uint32_t kClassRoom = 2048;
+constexpr std::uint32_t kRayRoom = 500;
+constexpr std::uint32_t kLookRoom = 3;
+constexpr std::uint32_t kColumnRoom = 100;
+
+MemorySizes with_little_room(MemorySizes sizes) {
+  sizes.rays = std::min(sizes.rays, kRayRoom);
+  sizes.looks = std::min(sizes.looks, kLookRoom);
+  sizes.columns = std::min(sizes.columns, kColumnRoom);
+  return sizes;
+}
 
 }  // namespace
 
 Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope, std::span<const float> row_slope,
                    std::span<const std::uint16_t> mask, std::uint64_t seed)
-    : random_(seed * 0x9E3779B97F4A7C15ULL + 1),
-      bytes_(place(memory_, sizes, 0) + kAlign_bytes),
+    : sizes_(with_little_room(sizes)),
+      random_(seed * 0x9E3779B97F4A7C15ULL + 1),
+      bytes_(place(memory_, sizes_, 0) + kAlign_bytes),
       heads_(kRoom),
       planes_(kRoom),
       bricks_(std::size_t{kRoom} * kBricks),
@@ -27,14 +38,17 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
       class_planes_(kClassRoom) {
   const std::uintptr_t base =
       (reinterpret_cast<std::uintptr_t>(bytes_.data()) + kAlign_bytes - 1) / kAlign_bytes * kAlign_bytes;
-  place(memory_, sizes, base);
-  std::memset(memory_.hits, 0xFF, hits_bytes(sizes));
-  *memory_.state = initial_state(sizes);
+  place(memory_, sizes_, base);
+  std::memset(memory_.hits, 0xFF, hits_bytes(sizes_));
+  *memory_.state = initial_state(sizes_);
   std::copy(column_slope.begin(), column_slope.end(), memory_.column_slope);
   std::copy(row_slope.begin(), row_slope.end(), memory_.row_slope);
   std::copy(mask.begin(), mask.end(), memory_.mask);
   parcels_ = {heads_.data(), planes_.data(), bricks_.data()};
   classes_ = {class_heads_.data(), class_planes_.data()};
+  queries_ = {memory_.rays, memory_.ray_hits, memory_.looks};
+  grid_question_ = {memory_.spread, memory_.grid_costs, memory_.grid_distances};
+  columns_ = {memory_.column_keys, memory_.column_cells};
 }
 
 std::uint64_t Emulated::next_random() {
@@ -85,6 +99,35 @@ bool Emulated::finish_frame(FrameCounters& counters) {
 
 bool Emulated::send_blocks(std::uint32_t first) {
   launch(11, kParcelThreads, [&](const Block& block) { export_blocks(block, memory_, parcels_, first, room()); });
+  return true;
+}
+
+bool Emulated::set_columns(const ColumnTables& tables) {
+  *memory_.column_tables = tables;
+  return true;
+}
+
+bool Emulated::read_columns(std::uint32_t first) {
+  launch(5, kParcelThreads, [&](const Block& block) { cuda::read_columns(block, memory_, first, column_room()); });
+  return true;
+}
+
+bool Emulated::cast_rays(std::uint32_t count, float resolution_m) {
+  launch(3, kParcelThreads, [&](const Block& block) { cuda::cast_rays(block, memory_, resolution_m, count); });
+  return memory_.state->refused_imports == 0;
+}
+
+bool Emulated::count_looks(std::uint32_t count, const LookModel& model) {
+  launch(5, kPixelThreads, [&](const Block& block) { mark_looks(block, memory_, model, count); });
+  launch(7, kPixelThreads, [&](const Block& block) { cuda::count_looks(block, memory_, count); });
+  return memory_.state->refused_imports == 0;
+}
+
+bool Emulated::spread_grid() {
+  launch(3, kPixelThreads, [&](const Block& block) { begin_spread(block, memory_); });
+  for (std::uint32_t round = 0; memory_.awake_counts[round % 3] != 0; ++round) {
+    launch(5, kPixelThreads, [&](const Block& block) { spread_round(block, memory_, round); });
+  }
   return true;
 }
 

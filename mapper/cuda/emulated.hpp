@@ -29,6 +29,18 @@ class Emulated final : public Card {
   bool begin_frame() override { return true; }
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  bool set_columns(const ColumnTables& tables) override;
+  bool read_columns(std::uint32_t first) override;
+  [[nodiscard]] const Columns& columns() override { return columns_; }
+  [[nodiscard]] std::uint32_t column_room() const override { return sizes_.columns; }
+  [[nodiscard]] const Queries& queries() override { return queries_; }
+  [[nodiscard]] std::uint32_t ray_room() const override { return sizes_.rays; }
+  [[nodiscard]] std::uint32_t look_room() const override { return sizes_.looks; }
+  bool cast_rays(std::uint32_t count, float resolution_m) override;
+  bool count_looks(std::uint32_t count, const LookModel& model) override;
+  [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
+  [[nodiscard]] std::uint32_t grid_room() const override { return sizes_.grid_cells; }
+  bool spread_grid() override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }
 
@@ -38,6 +50,7 @@ class Emulated final : public Card {
   std::uint64_t next_random();
   void shuffle(std::vector<int>& order);
 
+  MemorySizes sizes_;
   std::uint64_t random_;
   std::vector<std::byte> bytes_;
   Memory memory_{};
@@ -48,6 +61,9 @@ class Emulated final : public Card {
   std::vector<ClassPlane> class_planes_;
   Parcels parcels_{};
   Classes classes_{};
+  Queries queries_{};
+  Columns columns_{};
+  GridQuestion grid_question_{};
 };
 
 }  // namespace g3d::mapper::cuda

@@ -32,6 +32,16 @@ std::uint16_t to_raw(float metres, const hal::CameraModel& camera) {
   return static_cast<std::uint16_t>(std::clamp(raw, 0.0F, 65535.0F));
 }
 
+constexpr std::uint32_t kRayRoom = 640 * 512;  // those of a whole image
+constexpr std::uint32_t kColumnRoom = 32768;
+constexpr std::size_t kSeen_bytes = std::size_t{32} << 20;
+constexpr std::size_t kMostLooks = 64;
+
+std::uint32_t look_room(std::size_t box_blocks) {
+  const std::size_t looks = kSeen_bytes / (box_blocks * kSeenWords * sizeof(std::uint32_t));
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(looks, 1, kMostLooks));
+}
+
 template <typename From, typename To>
 void copy_to(const From& from, To& to) {
   static_assert(sizeof(From) == sizeof(To));
@@ -59,7 +69,10 @@ MemorySizes FrameBuilder::sizes() const {
           by == FreeBy::exact_rays || by == FreeBy::thesis_rays ? 1U : 0U,
           config_.capacity.blocks,
           config_.capacity.planes,
-          config_.capacity.colour_bricks};
+          config_.capacity.colour_bricks,
+          kRayRoom,
+          look_room(sensor_.max_box_blocks()),
+          kColumnRoom};
 }
 
 void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number,

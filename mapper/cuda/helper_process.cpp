@@ -22,7 +22,8 @@ namespace {
 constexpr int kSpins = 20'000;               // some tens of microseconds: what a frame takes
 constexpr hal::TimeNs kLook_ns = 2'000'000;  // how often a waiting thread looks whether the helper still lives
 constexpr hal::TimeNs kImportPatience_ns = 1'000'000'000;
-constexpr int kFirstSpareFile = 64;  // the helper's file 3 is the shared memory, whatever is open here
+constexpr hal::TimeNs kQuestionPatience = 10;  // times a frame's: somebody may ask for more than a frame has pixels
+constexpr int kFirstSpareFile = 64;            // the helper's file 3 is the shared memory, whatever is open here
 
 std::uint32_t read_word(const std::uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
 
@@ -31,6 +32,12 @@ void wake(std::uint32_t& word) { syscall(SYS_futex, &word, FUTEX_WAKE, 1, nullpt
 void sleep_while(std::uint32_t& word, std::uint32_t value, hal::TimeNs most_ns) {
   const timespec limit{most_ns / 1'000'000'000, most_ns % 1'000'000'000};
   syscall(SYS_futex, &word, FUTEX_WAIT, value, &limit, nullptr, 0);
+}
+
+/// The helper may have left out the zero at the end.
+template <std::size_t kRoom>
+std::string text_of(const char (&room)[kRoom]) {
+  return {room, strnlen(room, kRoom)};
 }
 
 std::string failure(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
@@ -57,6 +64,7 @@ std::unique_ptr<HelperProcess> HelperProcess::start(const HelperSetup& setup, st
   layout.room = setup.room;
   layout.class_room = setup.class_room;
   layout.update_warps = setup.update_warps;
+  layout.wanted_processors = setup.processors;
   helper->bytes_ = lay_out(layout, setup.kernels.size());
   helper->memory_file_ = memfd_create("g3dmap-card", MFD_CLOEXEC);
   if (helper->memory_file_ < 0 || ftruncate(helper->memory_file_, static_cast<off_t>(helper->bytes_)) != 0) {
@@ -79,6 +87,10 @@ void HelperProcess::fill(const HelperSetup& setup) {
   control_->version = kProtocolVersion;
   room_ = setup.room;
   class_room_ = setup.class_room;
+  ray_room_ = setup.sizes.rays;
+  look_room_ = setup.sizes.looks;
+  grid_room_ = setup.sizes.grid_cells;
+  column_room_ = setup.sizes.columns;
   patience_ns_ = setup.patience_ns;
   std::memcpy(at<char>(control_->program), setup.kernels.data(), setup.kernels.size());
   Memory zero_based{};
@@ -94,6 +106,10 @@ void HelperProcess::fill(const HelperSetup& setup) {
             at<std::uint16_t>(control_->sensor + offset(zero_based.mask) - first));
   parcels_ = {at<ParcelHead>(control_->heads), at<ParcelPlane>(control_->planes), at<ParcelBrick>(control_->bricks)};
   classes_ = {at<ClassHead>(control_->class_heads), at<ClassPlane>(control_->class_planes)};
+  grid_question_ = {at<GridSpread>(control_->spread), at<std::uint8_t>(control_->grid_costs),
+                    at<std::uint32_t>(control_->grid_distances)};
+  columns_ = {at<std::uint64_t>(control_->column_keys), at<std::uint8_t>(control_->column_cells)};
+  queries_ = {at<BulkRay>(control_->rays), at<BulkHit>(control_->ray_hits), at<Look>(control_->looks)};
 }
 
 bool HelperProcess::spawn(std::span<const std::byte> program, std::string& problem) {
@@ -162,12 +178,11 @@ HelperState HelperProcess::wait_started(hal::TimeNs limit_ns) {
 }
 
 std::string HelperProcess::problem() const {
-  char text[sizeof control_->problem];
-  std::memcpy(text, control_->problem, sizeof text);
-  text[sizeof text - 1] = 0;
-  if (text[0] != 0) return text;
+  if (std::string text = text_of(control_->problem); !text.empty()) return text;
   return ended_ ? "the helper process ended" : "the helper process does not answer";
 }
+
+std::string HelperProcess::note() const { return text_of(control_->note); }
 
 bool HelperProcess::post(HelperCommand command, std::uint32_t count) {
   if (ended_) return false;
@@ -195,8 +210,15 @@ bool HelperProcess::ask(HelperCommand command, std::uint32_t count, hal::TimeNs 
   return post(command, count) && wait_answer(patience_ns);
 }
 
+bool HelperProcess::end(hal::TimeNs patience_ns) {
+  const hal::TimeNs end_ns = clock_.now() + patience_ns;
+  if (!ask(HelperCommand::end, 0, patience_ns)) return false;
+  while (!has_ended() && clock_.now() < end_ns) clock_.sleep_until(clock_.now() + kLook_ns);
+  return has_ended();
+}
+
 bool HelperProcess::import_blocks(std::uint32_t count) {
-  return ask(HelperCommand::import_blocks, count, kImportPatience_ns);
+  return ask(HelperCommand::import_blocks, count, std::max(kImportPatience_ns, patience_ns_));
 }
 
 bool HelperProcess::begin_frame() { return post(frame_command_, 0); }
@@ -209,5 +231,24 @@ bool HelperProcess::finish_frame(FrameCounters& counters) {
 }
 
 bool HelperProcess::send_blocks(std::uint32_t first) { return ask(HelperCommand::send_blocks, first, patience_ns_); }
+
+bool HelperProcess::set_columns(const ColumnTables& tables) {
+  control_->column_tables = tables;
+  return ask(HelperCommand::set_columns, 0, kQuestionPatience * patience_ns_);
+}
+
+bool HelperProcess::read_columns(std::uint32_t first) { return ask(HelperCommand::read_columns, first, patience_ns_); }
+
+bool HelperProcess::spread_grid() { return ask(HelperCommand::spread_grid, 0, kQuestionPatience * patience_ns_); }
+
+bool HelperProcess::cast_rays(std::uint32_t count, float resolution_m) {
+  control_->look_model.resolution_m = resolution_m;
+  return ask(HelperCommand::cast_rays, count, kQuestionPatience * patience_ns_) && control_->refused_imports == 0;
+}
+
+bool HelperProcess::count_looks(std::uint32_t count, const LookModel& model) {
+  control_->look_model = model;
+  return ask(HelperCommand::count_looks, count, kQuestionPatience * patience_ns_) && control_->refused_imports == 0;
+}
 
 }  // namespace g3d::mapper::cuda

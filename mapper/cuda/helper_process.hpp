@@ -27,6 +27,7 @@ struct HelperSetup {
   std::span<const float> row_slope;
   std::span<const std::uint16_t> mask;
   std::uint32_t update_warps = 0;        ///< for measurements; see HelperControl
+  std::uint32_t processors = 0;          ///< for measurements: multiprocessors of the card to use; 0: all
   hal::TimeNs patience_ns = 33'000'000;  ///< a frame's time: a helper that takes longer is taken for hung
 };
 
@@ -45,7 +46,12 @@ class HelperProcess final : public Card {
   [[nodiscard]] std::string problem() const;
   [[nodiscard]] std::string card_name() const { return control_->card; }
   [[nodiscard]] std::uint64_t card_bytes() const { return control_->card_bytes; }
+  [[nodiscard]] std::uint32_t processors() const { return control_->processors; }
+  /// What was wanted and is not to be had; empty if nothing.
+  [[nodiscard]] std::string note() const;
   [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Has the process end by itself, and waits until it has. False: it takes longer.
+  bool end(hal::TimeNs patience_ns);
   /// Ends the process without waiting for it: the system may need long to take a card from it.
   void abandon() { waits_for_end_ = false; }
 
@@ -60,6 +66,19 @@ class HelperProcess final : public Card {
   bool begin_frame() override;
   bool finish_frame(FrameCounters& counters) override;
   bool send_blocks(std::uint32_t first) override;
+  bool set_columns(const ColumnTables& tables) override;
+  bool read_columns(std::uint32_t first) override;
+  [[nodiscard]] const Columns& columns() override { return columns_; }
+  [[nodiscard]] std::uint32_t column_room() const override { return column_room_; }
+  [[nodiscard]] const Queries& queries() override { return queries_; }
+  [[nodiscard]] std::uint32_t ray_room() const override { return ray_room_; }
+  [[nodiscard]] std::uint32_t look_room() const override { return look_room_; }
+  bool cast_rays(std::uint32_t count, float resolution_m) override;
+  bool count_looks(std::uint32_t count, const LookModel& model) override;
+
+  [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
+  [[nodiscard]] std::uint32_t grid_room() const override { return grid_room_; }
+  bool spread_grid() override;
 
   /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.
   void set_frame_command(HelperCommand command) { frame_command_ = command; }
@@ -93,10 +112,17 @@ class HelperProcess final : public Card {
   std::uint32_t asked_ = 0;
   std::uint32_t room_ = 0;  ///< our own copy: the helper may write anything into the shared one
   std::uint32_t class_room_ = 0;
+  std::uint32_t ray_room_ = 0;
+  std::uint32_t column_room_ = 0;
+  std::uint32_t grid_room_ = 0;
+  std::uint32_t look_room_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
   Parcels parcels_{};
   Classes classes_{};
+  Queries queries_{};
+  Columns columns_{};
+  GridQuestion grid_question_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

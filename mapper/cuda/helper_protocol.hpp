@@ -11,7 +11,7 @@
 
 namespace g3d::mapper::cuda {
 
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
 inline constexpr int kHelperLine = 4;  ///< one end of a socket pair; low, so that a dying process closes it first
 inline constexpr int kStages = 9;
@@ -24,7 +24,13 @@ enum class HelperCommand : std::uint32_t {
   run_frame_timed,   ///< copies first; then in stage_us how long the launches took, the classes, the first parcels
   run_stages_timed,  ///< launch by launch, with the time of each: input copy, then launches.hpp's
   send_blocks,       ///< from number `count` on
+  set_columns,       ///< as column_tables says
+  read_columns,      ///< from number `count` on; time as for rays
+  cast_rays,         ///< `count` of them; stage_us[0] is the time of the launch, as for looks
+  count_looks,       ///< `count` of them
+  spread_grid,       ///< time as for rays
   hang,              ///< for tests: never answers
+  end,               ///< ends by itself, for tools that want to look at what it leaves behind
 };
 
 /// At the beginning of the shared memory. Written by the program, but where it says otherwise.
@@ -34,20 +40,33 @@ struct HelperControl {
   std::uint32_t asked;     ///< counts commands
   std::uint32_t answered;  ///< counts them as well; by the helper
   std::uint32_t command;
-  std::uint32_t count;  ///< parcels to import, or first changed block to send
+  std::uint32_t count;  ///< parcels to import, first changed block to send, or questions
   std::uint32_t ok;     ///< by the helper
   std::uint32_t room;   ///< parcels in one go
   std::uint32_t class_room;
-  std::uint32_t coloured;      ///< number of the command whose colours are there
-  std::uint32_t update_warps;  ///< 1 or 4 for a block of the map, 0: as the helper likes
+  std::uint32_t coloured;           ///< number of the command whose colours are there
+  std::uint32_t update_warps;       ///< 1 or 4 for a block of the map, 0: as the helper likes
+  std::uint32_t wanted_processors;  ///< multiprocessors that kernels may use; 0: all
   MemorySizes sizes;
   FrameCounters counters;  ///< by the card
+  ColumnTables column_tables;
+  LookModel look_model;           ///< of the questions; for rays its resolution alone counts
+  std::uint32_t awake_tiles;      ///< of a grid; by the card
+  std::uint32_t refused_imports;  ///< as of the last question; by the card
   // Offsets in bytes from here
   std::uint64_t program;  ///< PTX, zero-terminated
   std::uint64_t input;    ///< FrameInput, depth, rgb as Memory has them
   std::uint64_t input_bytes;
   std::uint64_t sensor;  ///< column_slope, row_slope, mask as Memory has them
   std::uint64_t sensor_bytes;
+  std::uint64_t column_keys;
+  std::uint64_t column_cells;
+  std::uint64_t spread;
+  std::uint64_t grid_costs;
+  std::uint64_t grid_distances;
+  std::uint64_t rays;
+  std::uint64_t ray_hits;
+  std::uint64_t looks;
   std::uint64_t class_heads;
   std::uint64_t class_planes;
   std::uint64_t heads;
@@ -57,10 +76,11 @@ struct HelperControl {
   // By the helper
   float stage_us[kStages];
   std::uint64_t card_bytes;      ///< that it took of the card's memory
-  std::uint32_t processors;      ///< multiprocessors of the card
+  std::uint32_t processors;      ///< multiprocessors that kernels may use
   std::uint32_t copies_parcels;  ///< 1: the card cannot reach host memory, so parcels are copied
   char card[96];
   char problem[256];  ///< why it failed
+  char note[160];     ///< why it is not quite what was wanted
 };
 
 /// Lays out everything behind the control block; returns the number of bytes in all.
@@ -80,6 +100,14 @@ struct HelperControl {
   control.input = take(control.input_bytes);
   control.sensor_bytes = offset(m.ends[0]) - offset(m.column_slope);
   control.sensor = take(control.sensor_bytes);
+  control.column_keys = take(std::uint64_t{control.sizes.columns} * sizeof(std::uint64_t));
+  control.column_cells = take(std::uint64_t{control.sizes.columns} * kBlockSide_cells * kBlockSide_cells);
+  control.spread = take(sizeof(GridSpread));
+  control.grid_costs = take(control.sizes.grid_cells);
+  control.grid_distances = take(std::uint64_t{control.sizes.grid_cells} * sizeof(std::uint32_t));
+  control.rays = take(std::uint64_t{control.sizes.rays} * sizeof(BulkRay));
+  control.ray_hits = take(std::uint64_t{control.sizes.rays} * sizeof(BulkHit));
+  control.looks = take(std::uint64_t{control.sizes.looks} * sizeof(Look));
   control.class_heads = take(std::uint64_t{control.class_room} * sizeof(ClassHead));
   control.class_planes = take(std::uint64_t{control.class_room} * sizeof(ClassPlane));
   control.heads = take(std::uint64_t{control.room} * sizeof(ParcelHead));

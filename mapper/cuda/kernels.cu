@@ -30,3 +30,15 @@ G3D_KERNEL(kParcelThreads, 8) export_classes_kernel(const Classes out, FrameCoun
 G3D_KERNEL(kParcelThreads, 8) export_blocks_kernel(const Parcels out, std::uint32_t first, std::uint32_t room) {
   export_blocks(Block{}, memory_map, out, first, room);
 }
+G3D_KERNEL(kParcelThreads, 8) cast_rays_kernel(float resolution_m, std::uint32_t count) {
+  cast_rays(Block{}, memory_map, resolution_m, count);
+}
+G3D_KERNEL(kParcelThreads, 8) read_columns_kernel(std::uint32_t first, std::uint32_t room) {
+  read_columns(Block{}, memory_map, first, room);
+}
+G3D_KERNEL(kPixelThreads, 4) mark_looks_kernel(const g3d::mapper::LookModel model, std::uint32_t count) {
+  mark_looks(Block{}, memory_map, model, count);
+}
+G3D_KERNEL(kPixelThreads, 4) begin_spread_kernel() { begin_spread(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) spread_round_kernel(std::uint32_t round) { spread_round(Block{}, memory_map, round); }
+G3D_KERNEL(kPixelThreads, 4) count_looks_kernel(std::uint32_t count) { count_looks(Block{}, memory_map, count); }

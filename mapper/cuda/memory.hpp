@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "mapper/column_bits.hpp"
 #include "mapper/cuda/frame_params.hpp"
+#include "mapper/grid_spread.hpp"
+#include "mapper/look.hpp"
 
 namespace g3d::mapper::cuda {
 
@@ -102,6 +105,26 @@ struct Classes {
   ClassPlane* planes;  ///< same index
 };
 
+/// Questions and their answers, between frames; as many of each in one go as MemorySizes says.
+struct Queries {
+  BulkRay* rays;
+  BulkHit* ray_hits;  ///< same index
+  Look* looks;        ///< each comes back with its gain
+};
+
+/// Of changed blocks, whoever they are told to: see mapper::ChangedColumns.
+struct Columns {
+  std::uint64_t* keys;  ///< kForgotten: its layer does not matter
+  std::uint8_t* cells;
+};
+
+/// A question about a grid, and its answer.
+struct GridQuestion {
+  GridSpread* spread;
+  std::uint8_t* costs;
+  std::uint32_t* distances;  ///< kNotReached, or at most max_cost
+};
+
 struct Memory {
   // Copied from the host for every frame, in one piece
   FrameInput* input;
@@ -143,6 +166,20 @@ struct Memory {
   std::uint32_t* returned_blocks;
   std::uint32_t* returned_planes;
   std::uint32_t* returned_bricks;
+  // Questions
+  ColumnTables* column_tables;
+  std::uint64_t* column_keys;
+  std::uint8_t* column_cells;
+  BulkRay* rays;
+  BulkHit* ray_hits;
+  Look* looks;
+  GridSpread* spread;
+  std::uint8_t* grid_costs;
+  std::uint32_t* grid_distances;
+  std::uint32_t* awake[2];      ///< 1 for tiles to look at, of two rounds in turn
+  std::uint32_t* awake_counts;  ///< of three rounds in turn
+  std::uint32_t seen_stride;    ///< words of one look
+  std::uint32_t* seen;          ///< a bit for each voxel of a look's box. Zero between questions
 };
 
 /// What the sizes of all arrays follow from.
@@ -154,6 +191,10 @@ struct MemorySizes {
   std::uint32_t blocks;      ///< capacity of the map
   std::uint32_t planes;
   std::uint32_t bricks;
+  std::uint32_t rays = 0;        ///< cast in one go
+  std::uint32_t looks = 0;       ///< counted in one go
+  std::uint32_t columns = 0;     ///< blocks whose columns are read in one go
+  std::uint32_t grid_cells = 0;  ///< of the largest grid that is asked about; 0: none is
 };
 
 /// Slots of the hash table: at most half full.
@@ -251,6 +292,19 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   take(m.returned_blocks, s.blocks);
   take(m.returned_planes, s.planes);
   take(m.returned_bricks, s.bricks);
+  take(m.column_tables, 1);
+  take(m.column_keys, s.columns);
+  take(m.column_cells, std::size_t{s.columns} * kBlockSide_cells * kBlockSide_cells);
+  take(m.rays, s.rays);
+  take(m.ray_hits, s.rays);
+  take(m.looks, s.looks);
+  take(m.spread, 1);
+  take(m.grid_costs, s.grid_cells);
+  take(m.grid_distances, s.grid_cells);
+  for (auto& awake : m.awake) take(awake, s.grid_cells / 8 + 4);  // tiles of the narrowest grid
+  take(m.awake_counts, 3);
+  m.seen_stride = s.box_blocks * kSeenWords;
+  take(m.seen, std::size_t{s.looks} * m.seen_stride);
   take(m.hits, records * kVoxels);  // last: the only array that does not begin as zeros
   return next - base;
 }

@@ -10,11 +10,15 @@
 
 namespace g3d::mapper::cuda {
 
-/// The host's block becomes what parcel `index` says. Its slot, kNoSlot if a pool is full (the block is then as before,
-/// or has its levels without its colours).
-std::uint32_t take_parcel(VoxelMap& map, const Parcels& parcels, std::uint32_t index, std::uint32_t frame_number);
+struct Taken {
+  std::uint32_t slot;  ///< kNoSlot: there was no room for the block or its levels, and it is as before
+  bool complete;       ///< else it has at most the levels, and where there was no room for colours no colour
+};
 
-/// Parcel `index` says what the host's map has under this key: a block, or that there is none.
-void make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index);
+/// The host's block becomes what parcel `index` says.
+Taken take_parcel(VoxelMap& map, const Parcels& parcels, std::uint32_t index, std::uint32_t frame_number);
+
+/// Parcel `index` says what the host's map has under this key. False: there is no such block.
+bool make_parcel(const VoxelMap& map, BlockKey key, const Parcels& parcels, std::uint32_t index);
 
 }  // namespace g3d::mapper::cuda

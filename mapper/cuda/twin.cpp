@@ -2,6 +2,7 @@
 #include "mapper/cuda/twin.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -22,7 +23,9 @@ Twin::Twin(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::s
       changed_(sensor.max_box_blocks()),
       kept_heads_(sensor.max_box_blocks()),
       kept_planes_(sensor.max_box_blocks()),
-      kept_bricks_(sensor.max_box_blocks() * kBricks) {
+      kept_bricks_(sensor.max_box_blocks() * kBricks),
+      column_keys_(sensor.max_box_blocks()),
+      column_cells_(sensor.max_box_blocks() * kBlockSide_cells * kBlockSide_cells) {
   mirror_.set_journal(&journal_);
 }
 
@@ -31,12 +34,14 @@ Twin::~Twin() { mirror_.set_journal(nullptr); }
 void Twin::set_card(std::shared_ptr<Card> card) {
   card_ = std::move(card);
   card_is_empty_ = true;
+  card_knows_columns_ = false;
 }
 
 bool Twin::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bool with_colour,
                  std::uint32_t frame_number, FrameReport& report) {
   changed_count_ = 0;
   on_card_ = 0;
+  column_count_ = 0;
   frame_number_ = frame_number;
   if (!send_changes()) return false;
   FrameInput& input = card_->input();
@@ -56,7 +61,44 @@ bool Twin::begin(const hal::Frame& frame, const cpu::FrameGeometry& geometry, bo
   report.invalid_pixels = static_cast<std::uint32_t>(pixels) - counters.valid - counters.too_near - counters.far;
   report.hit_blocks = counters.records;
   report.refused_blocks = counters.refused;
+  return !column_tables_ || read_columns();
+}
+
+void Twin::follow_columns(const ColumnTables& tables) {
+  column_tables_ = tables;
+  card_knows_columns_ = false;
+  column_bits_ = kCountedBit << 1;
+  for (const auto& row : tables.bits) {
+    for (const std::uint8_t bits : row) column_bits_ |= bits;
+  }
+}
+
+bool Twin::read_columns() {
+  if (card_->column_room() == 0) return false;
+  if (!card_knows_columns_ && !card_->set_columns(*column_tables_)) return false;
+  card_knows_columns_ = true;
+  const std::uint32_t cells = cells_of(*column_tables_);
+  for (std::uint32_t first = 0; first < on_card_; first += card_->column_room()) {
+    if (!card_->read_columns(first)) return false;
+    const std::uint32_t count = std::min(card_->column_room(), on_card_ - first);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const BlockKey key = card_->columns().keys[i];
+      if (key == kForgotten) continue;
+      if (column_layer(*column_tables_, key) < 0 || key >> kKeyBits != 0) return false;
+      std::uint8_t* to = &column_cells_[column_count_ * cells];
+      std::memcpy(to, card_->columns().cells + std::size_t{i} * cells, cells);
+      std::uint8_t all = 0;
+      for (std::uint32_t cell = 0; cell < cells; ++cell) all |= to[cell];
+      if ((all & ~column_bits_) != 0) return false;
+      column_keys_[column_count_++] = key;
+    }
+  }
   return true;
+}
+
+ChangedColumns Twin::changed_columns() const {
+  if (card_ == nullptr || !column_tables_) return {};
+  return {{column_keys_.data(), column_count_}, column_cells_.data(), cells_of(*column_tables_)};
 }
 
 bool Twin::finish(FrameReport& report) {
@@ -97,6 +139,61 @@ bool Twin::are_sane(const Parcels& parcels, std::uint32_t count) {
   return true;
 }
 
+bool Twin::are_sane(std::span<const BulkRay> rays, std::span<const BulkHit> hits) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const BulkHit& hit = hits[i];
+    if (hit.end > RayEnd::left_grid) return false;
+    // A range may be no number; then this is what comes back.
+    const bool is_open = hit.end == RayEnd::max_range;
+    const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+    if (is_open && bits(hit.distance_m) != bits(rays[i].max_range_m)) return false;
+    // Through voxels and back, so the last bits may differ.
+    if (!is_open && !(hit.distance_m >= 0.0F && hit.distance_m <= 1.0001F * rays[i].max_range_m + 1e-30F)) return false;
+  }
+  return true;
+}
+
+bool Twin::is_sane(const LookGain& gain, const Look& look, const LookModel& model) {
+  const auto along = [&](std::int32_t px) {
+    return static_cast<std::uint64_t>((px + model.stride_px - 1) / model.stride_px);
+  };
+  const std::uint64_t rays = along(model.width_px) * along(model.height_px);
+  const std::uint64_t voxels =
+      static_cast<std::uint64_t>(look.blocks[0] * look.blocks[1] * look.blocks[2]) * kBlockVoxels;
+  return gain.unknown_voxels <= voxels && std::uint64_t{gain.blocked_rays} + gain.near_rays <= rays;
+}
+
+bool Twin::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits) {
+  if (card_ == nullptr || card_->ray_room() == 0 || !send_changes()) return false;
+  const float resolution_m = mirror_.grid().resolution_m;
+  while (!rays.empty()) {
+    const std::size_t count = std::min<std::size_t>(rays.size(), card_->ray_room());
+    std::memcpy(card_->queries().rays, rays.data(), count * sizeof(BulkRay));
+    if (!card_->cast_rays(static_cast<std::uint32_t>(count), resolution_m)) return false;
+    std::memcpy(hits.data(), card_->queries().ray_hits, count * sizeof(BulkHit));
+    if (!are_sane(rays.first(count), hits.first(count))) return false;
+    rays = rays.subspan(count);
+    hits = hits.subspan(count);
+  }
+  return true;
+}
+
+bool Twin::count_looks(const LookModel& model, std::span<Look> looks) {
+  if (card_ == nullptr || card_->look_room() == 0 || !send_changes()) return false;
+  while (!looks.empty()) {
+    const std::size_t count = std::min<std::size_t>(looks.size(), card_->look_room());
+    std::memcpy(card_->queries().looks, looks.data(), count * sizeof(Look));
+    if (!card_->count_looks(static_cast<std::uint32_t>(count), model)) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const LookGain gain = card_->queries().looks[i].gain;
+      if (!is_sane(gain, looks[i], model)) return false;
+      looks[i].gain = gain;
+    }
+    looks = looks.subspan(count);
+  }
+  return true;
+}
+
 void Twin::keep(std::uint32_t count) {
   const Parcels& from = card_->parcels();
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -115,13 +212,11 @@ void Twin::keep(std::uint32_t count) {
 
 void Twin::take(const Parcels& parcels, std::uint32_t count, FrameReport& report) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t slot = take_parcel(mirror_, parcels, i, frame_number_);
-    if (slot != kNoSlot) {
-      changed_[changed_count_++] = slot;
-    } else {
-      ++report.refused_blocks;
-      journal_.note(parcels.heads[i].key);  // the mirror has the last word
-    }
+    const Taken taken = take_parcel(mirror_, parcels, i, frame_number_);
+    if (taken.slot != kNoSlot) changed_[changed_count_++] = taken.slot;
+    if (taken.complete) continue;
+    ++report.refused_blocks;
+    journal_.note(parcels.heads[i].key);  // the mirror has the last word
   }
 }
 
@@ -140,21 +235,38 @@ bool Twin::send_changes() {
   const std::span<BlockKey> keys{journal_.keys.data(), journal_.count};
   std::sort(keys.begin(), keys.end());
   const auto end = std::unique(keys.begin(), keys.end());
-  const bool sent = send_keys(keys.first(static_cast<std::size_t>(end - keys.begin())));
+  const std::span<const BlockKey> changed = keys.first(static_cast<std::size_t>(end - keys.begin()));
+  // Forgotten first, and only then sent: what the mirror has room for, the card has room for as well, but not for the
+  // blocks before and after a change at once.
+  const bool sent = forget_keys(changed) && send_keys(changed);
   journal_.clear();
   return sent;
 }
 
-bool Twin::send_keys(std::span<const BlockKey> keys) {
+bool Twin::forget_keys(std::span<const BlockKey> keys) {
+  if (keys.empty()) return true;
   while (!keys.empty()) {
     const std::size_t count = std::min<std::size_t>(keys.size(), card_->room());
     for (std::size_t i = 0; i < count; ++i) {
-      make_parcel(mirror_, keys[i], card_->parcels(), static_cast<std::uint32_t>(i));
+      card_->parcels().heads[i] = {};
+      card_->parcels().heads[i].key = keys[i];
+      card_->parcels().heads[i].erase = 1;
     }
     if (!card_->import_blocks(static_cast<std::uint32_t>(count))) return false;
     keys = keys.subspan(count);
   }
-  return true;
+  return card_->import_blocks(0);
+}
+
+bool Twin::send_keys(std::span<const BlockKey> keys) {
+  std::uint32_t count = 0;
+  for (const BlockKey key : keys) {
+    if (!make_parcel(mirror_, key, card_->parcels(), count)) continue;
+    if (++count < card_->room()) continue;
+    if (!card_->import_blocks(count)) return false;
+    count = 0;
+  }
+  return count == 0 || card_->import_blocks(count);
 }
 
 }  // namespace g3d::mapper::cuda

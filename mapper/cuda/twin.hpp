@@ -3,10 +3,15 @@
 // next frame, what a frame changes comes back before the mirror is shown. The mirror changes only when a frame is
 // wholly there, so that a card may be lost at any time and the CPU twin go on from the mirror, the frame in hand
 // included. Thread: mapper thread.
+// Full pools: each block has all that a frame says of it, or its levels without some of the colours, or is as before,
+// and the last two are counted as refused. Threads race for the last slots, so which blocks these are differs from run
+// to run and from the CPU twin. A frame without refused blocks makes the mirror what it makes of it anywhere; what was
+// refused is not made up for.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,16 +56,30 @@ class Twin {
                            std::uint32_t frame_number, FrameReport& report);
   /// The mirror becomes what the card's map is.
   [[nodiscard]] bool finish(FrameReport& report);
+  /// From now on begin() also reads the columns of what changed.
+  void follow_columns(const ColumnTables& tables);
+  /// Between begin() and the next one.
+  [[nodiscard]] ChangedColumns changed_columns() const;
+
+  // Questions to the card's map, which is the mirror: not between begin() and finish(). False: the card is lost; what
+  // it answered may be incomplete.
+  [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
+  [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
+
   /// Between begin() and the next one. Empty when there were too many for the memory shared with the card.
   [[nodiscard]] ChangedClasses changed_classes() const;
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
 
  private:
   [[nodiscard]] bool send_changes();
+  [[nodiscard]] bool read_columns();
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
+  [[nodiscard]] bool forget_keys(std::span<const BlockKey> keys);
   /// Whatever a helper writes, nothing is read or written beside its place.
   [[nodiscard]] static bool are_sane(const Parcels& parcels, std::uint32_t count);
   [[nodiscard]] static bool are_sane(const Classes& classes, std::uint32_t count);
+  [[nodiscard]] static bool are_sane(std::span<const BulkRay> rays, std::span<const BulkHit> hits);
+  [[nodiscard]] static bool is_sane(const LookGain& gain, const Look& look, const LookModel& model);
   void keep(std::uint32_t count);
   void take(const Parcels& parcels, std::uint32_t count, FrameReport& report);
 
@@ -78,6 +97,13 @@ class Twin {
   ReservedArray<ParcelPlane> kept_planes_;
   ReservedArray<ParcelBrick> kept_bricks_;
   std::uint32_t kept_ = 0;
+  // Columns, if somebody follows them
+  std::optional<ColumnTables> column_tables_;
+  std::uint8_t column_bits_ = 0;  ///< that a cell may have
+  bool card_knows_columns_ = false;
+  ReservedArray<BlockKey> column_keys_;
+  ReservedArray<std::uint8_t> column_cells_;
+  std::size_t column_count_ = 0;
 };
 
 }  // namespace g3d::mapper::cuda

@@ -2,9 +2,11 @@
 // What a card does, on a machine that has one: the same map as the CPU twin after every frame, in how much time, and
 // what a killed helper costs. `scripts/gpu-test` makes a bundle of it.
 //   gpu_bench [--log FOLDER] [--frames N] [--resolution METRES]... [--integrator NAME]... [--mode static|dynamic]...
-//             [--what equal|time|repeat|kill]... [--times N]
-// equal: hashes of both maps after each frame. time: medians over the frames, first pass and revisit. repeat: N runs,
-// each with a new helper. kill: N kills of the helper at random moments; the map must be that of the undisturbed run.
+//             [--what equal|time|growth|inspect|repeat|kill]... [--times N] [--processors N]... [--patience SECONDS]
+// equal: hashes of both maps after each frame. time: medians over the frames, first pass and revisit, on N of the
+// card's multiprocessors (0: all). growth: frames in a map of more than a hundred million voxels. inspect: few frames,
+// for compute-sanitizer. repeat: N runs, each with a new helper. kill: N kills of the helper at random moments; the map
+// must be that of the undisturbed run. --patience: how long a frame may take before the helper is taken for hung.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -19,35 +21,23 @@
 #include <vector>
 
 #include "hal/clock.hpp"
-#include "mapper/cuda/carried.hpp"
-#include "mapper/cuda/helper_process.hpp"
-#include "mapper/cuda/twin.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
+#include "tests/bench/gpu_growth.hpp"
+#include "tests/bench/gpu_rig.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/workload.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper;
+using bench::failures;
+using bench::median;
+using bench::Rig;
+using bench::title;
 
 namespace {
 
-int failures = 0;
-std::uint32_t update_warps = 0;
-std::string other_kernels;
-
 double now_us() { return static_cast<double>(hal::RealClock().now()) * 1e-3; }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-std::string title(const MapperConfig& config, const test::Workload& work) {
-  return fmt::format("{} {} {} {:.3f} m, {} frames", work.name, to_string(config.integrator), to_string(config.mode),
-                     config.resolution_m, work.frames.size());
-}
 
 MapperConfig on(Backend backend, MapperConfig config) {
   config.backend = backend;
@@ -82,49 +72,13 @@ void check_equal(const MapperConfig& config, const test::Workload& work) {
   std::fflush(stdout);
 }
 
-/// A map in a card with its measuring helper.
-struct Rig {
-  Rig(const MapperConfig& settings, const hal::CameraModel& camera)
-      : config(settings),
-        sensor(camera, settings.resolution_m, settings.near_m, settings.far_m),
-        map(Grid{settings.resolution_m}, settings.capacity),
-        twin(settings, sensor, {}, map) {
-    std::string problem;
-    helper = cuda::HelperProcess::start({.program = cuda::carried_helper(),
-                                         .kernels = other_kernels.empty() ? cuda::carried_kernels() : other_kernels,
-                                         .sizes = twin.builder().sizes(),
-                                         .column_slope = sensor.column_slope,
-                                         .row_slope = sensor.row_slope,
-                                         .mask = twin.builder().mask(),
-                                         .update_warps = update_warps,
-                                         .patience_ns = 60'000'000'000},  // a profiler may take its time
-                                        problem);
-    if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
-    if (!twin.has_card()) fmt::print("no card: {}\n", helper != nullptr ? helper->problem() : problem);
-  }
-  FrameReport integrate(const hal::Frame& frame, const hal::Pose& pose) {
-    FrameReport report;
-    const auto geometry = cpu::frame_geometry(sensor, hal::to_transform(pose));
-    if (!geometry || !twin.integrate(frame, *geometry, frame.has_colour, ++frame_number, report)) {
-      fmt::print("frame {} failed: {}\n", frame_number, helper->problem());
-      ++failures;
-    }
-    return report;
-  }
-  MapperConfig config;
-  cpu::SensorGeometry sensor;
-  VoxelMap map;
-  cuda::Twin twin;
-  std::shared_ptr<cuda::HelperProcess> helper;
-  std::uint32_t frame_number = 0;
-};
-
-void measure(const MapperConfig& config, const test::Workload& work) {
-  Rig rig(config, work.camera);
+void measure(const MapperConfig& config, const test::Workload& work, std::uint32_t processors) {
+  Rig rig(config, work.camera, processors);
   if (!rig.twin.has_card()) {
     ++failures;
     return;
   }
+  const std::string name = title(config, work) + fmt::format(", {} multiprocessors", rig.helper->processors());
   constexpr std::array kPasses{"first", "again", "again"};
   for (std::size_t pass = 0; pass < kPasses.size(); ++pass) {
     const bool by_stages = pass == 2;
@@ -142,14 +96,14 @@ void measure(const MapperConfig& config, const test::Workload& work) {
     if (by_stages) {
       fmt::print(
           "stages  {}: copy {:.1f} read {:.1f} walk {:.1f} find {:.1f} update {:.1f} classes {:.1f} export {:.1f} us\n",
-          title(config, work), median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(stage_us[3]),
+          name, median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(stage_us[3]),
           median(stage_us[4]) + median(stage_us[5]), median(stage_us[6]), median(stage_us[7]));
     } else {
       fmt::print("time    {}: {} pass, card {:.1f} us, classes back {:.1f} us, blocks back {:.1f} us, {:.0f} of them\n",
-                 title(config, work), kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(stage_us[2]),
-                 median(changed));
+                 name, kPasses[pass], median(stage_us[0]), median(stage_us[1]), median(stage_us[2]), median(changed));
     }
   }
+  if (processors != 0) return;
   // What a robot sees: from the frame to the classes in its memory, and on to the updated mirror; twice; and the CPU
   // twin on one core.
   MapperConfig one_thread = on(Backend::cpu, config);
@@ -176,6 +130,39 @@ void measure(const MapperConfig& config, const test::Workload& work) {
   fmt::print("memory  {}: {} known voxels, {:.2f} bytes each in the mirror, card {} MB reserved\n", title(config, work),
              counts.known(), static_cast<double>(rig.map.memory().used_bytes) / static_cast<double>(counts.known()),
              rig.helper->card_bytes() >> 20);
+  std::fflush(stdout);
+}
+
+/// Has compute-sanitizer brought its library into the process?
+bool is_watched(int process) {
+  std::ifstream maps(fmt::format("/proc/{}/maps", process));
+  const std::string text(std::istreambuf_iterator<char>(maps), {});
+  return text.find("sanitizer") != std::string::npos;
+}
+
+/// For a tool that looks over the helper's shoulder, however slow it makes it: all kernels, in few frames.
+void inspect(const MapperConfig& config, const test::Workload& work) {
+  Rig rig(config, work.camera);
+  if (!rig.twin.has_card()) {
+    ++failures;
+    return;
+  }
+  Mapper cpu_twin(on(Backend::cpu, config), work.camera);
+  std::size_t different = 0;
+  for (const auto& [frame, pose] : work.frames) {
+    (void)rig.integrate(frame, pose);
+    (void)cpu_twin.integrate(frame, pose);
+    different += map_hash(rig.map) == map_hash(cpu_twin.map()) ? 0 : 1;
+    // A change of the host's own, so that blocks are taken to the card.
+    const BlockKey key = cpu_twin.map().sorted_keys().at(0);
+    different += rig.map.erase_block(key) && cpu_twin.map().erase_block(key) ? 0 : 1;
+  }
+  const bool watched = is_watched(rig.helper->pid());
+  const bool ended = rig.helper->end(bench::rig_options.patience_ns);
+  const bool good = different == 0 && ended;
+  failures += good ? 0 : 1;
+  fmt::print("inspect {}: {}, {} different, helper {} {}\n", title(config, work), watched ? "watched" : "unwatched",
+             different, ended ? "ended by itself" : "did not end", good ? "ok" : "FAILED");
   std::fflush(stdout);
 }
 
@@ -244,22 +231,26 @@ int main(int argc, char** argv) {
   int frames = 60;
   int times = 100;
   double step_s = 0.0;
+  double patience_s = 0.0;
   std::string log;
   std::vector<float> resolutions_m;
   std::vector<IntegratorKind> kinds;
   std::vector<MapMode> modes;
   std::vector<std::string> what;
+  std::vector<std::uint32_t> processors;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string name = argv[i];
     const std::string value = argv[i + 1];
     if (name == "--log") log = value;
     if (name == "--frames") frames = std::atoi(value.c_str());
     if (name == "--times") times = std::atoi(value.c_str());
+    if (name == "--patience") patience_s = std::atof(value.c_str());
     if (name == "--kernels") {
       std::ifstream file(value);
-      other_kernels.assign(std::istreambuf_iterator<char>(file), {});
+      bench::rig_options.kernels.assign(std::istreambuf_iterator<char>(file), {});
     }
-    if (name == "--warps") update_warps = static_cast<std::uint32_t>(std::atoi(value.c_str()));
+    if (name == "--warps") bench::rig_options.update_warps = static_cast<std::uint32_t>(std::atoi(value.c_str()));
+    if (name == "--processors") processors.push_back(static_cast<std::uint32_t>(std::atoi(value.c_str())));
     if (name == "--step") step_s = std::atof(value.c_str());
     if (name == "--what") what.push_back(value);
     if (name == "--resolution") resolutions_m.push_back(static_cast<float>(std::atof(value.c_str())));
@@ -269,6 +260,8 @@ int main(int argc, char** argv) {
   if (resolutions_m.empty()) resolutions_m = {0.05F, 0.02F, 0.01F};
   if (kinds.empty()) kinds = {IntegratorKind::projective};
   if (modes.empty()) modes = {MapMode::dynamic_mode};
+  if (patience_s > 0.0) bench::rig_options.patience_ns = static_cast<hal::TimeNs>(patience_s * 1e9);
+  if (processors.empty()) processors = {0};
   if (what.empty()) what = {"equal", "time"};
   const test::Workload work =
       log.empty() ? test::simulated_drive("furnished_room", frames, step_s > 0.0 ? step_s : 60.0 / frames)
@@ -284,11 +277,16 @@ int main(int argc, char** argv) {
         config.resolution_m = resolution_m;
         config.integrator = kind;
         config.mode = mode;
+        if (patience_s > 0.0) config.card_patience_ns = bench::rig_options.patience_ns;
         config.threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 8U));
         config.capacity = capacity_for_bytes(std::size_t{resolution_m < 0.008F ? 6144U : 1024U} << 20);
         for (const std::string& one : what) {
           if (one == "equal") check_equal(config, work);
-          if (one == "time") measure(config, work);
+          for (const std::uint32_t n : processors) {
+            if (one == "time") measure(config, work, n);
+          }
+          if (one == "inspect") inspect(config, work);
+          if (one == "growth") bench::measure_growth(config, work);
           if (one == "repeat") repeat(config, work, times);
           if (one == "kill") kill_often(config, work, times);
         }

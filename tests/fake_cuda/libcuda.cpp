@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mapper/cuda/helper/driver.hpp"
+#include "mapper/cuda/helper/few_processors.hpp"
 #include "mapper/cuda/kernels/launches.hpp"
 
 using namespace g3d::mapper::cuda;
@@ -21,13 +21,15 @@ namespace {
 constexpr int kOutOfMemory = 2;
 constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
-constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",   "walk_image_kernel",
-                                         "find_work_kernel",      "update_map_1_kernel", "update_map_4_kernel",
-                                         "export_classes_kernel", "export_blocks_kernel"};
+constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",    "walk_image_kernel",
+                                         "find_work_kernel",      "update_map_1_kernel",  "update_map_4_kernel",
+                                         "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
+                                         "cast_rays_kernel",      "mark_looks_kernel",    "count_looks_kernel",
+                                         "begin_spread_kernel",   "spread_round_kernel"};
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
-char handles[16];
+char handles[32];
 
 CuHandle handle(std::size_t number) { return reinterpret_cast<CuHandle>(handles + number); }
 void* host(CuDevicePointer p) { return reinterpret_cast<void*>(p); }
@@ -62,7 +64,21 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
     export_blocks(block, m, argument<Parcels>(arguments, 0), argument<std::uint32_t>(arguments, 1),
                   argument<std::uint32_t>(arguments, 2));
   }
+  if (kernel == 8) {
+    read_columns(block, m, argument<std::uint32_t>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  }
+  if (kernel == 9) cast_rays(block, m, argument<float>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  if (kernel == 10) {
+    mark_looks(block, m, argument<g3d::mapper::LookModel>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  }
+  if (kernel == 11) count_looks(block, m, argument<std::uint32_t>(arguments, 0));
+  if (kernel == 12) begin_spread(block, m);
+  if (kernel == 13) spread_round(block, m, argument<std::uint32_t>(arguments, 0));
 }
+
+constexpr int kNotSupported = 801;
+constexpr int kProcessors = 2;
+bool confined = false;  // there is a stream that keeps to fewer multiprocessors, and everything must go there
 
 bool cannot_map() { return std::getenv("FAKE_CUDA_CANNOT_MAP") != nullptr; }
 
@@ -77,7 +93,7 @@ int cuDeviceGetName(char* name, int room, int) {
   return 0;
 }
 int cuDeviceGetAttribute(int* value, int, int) {
-  *value = 2;
+  *value = kProcessors;
   return 0;
 }
 int cuDevicePrimaryCtxRetain(CuHandle* context, int) {
@@ -136,7 +152,8 @@ int cuStreamCreate(CuHandle* stream, unsigned) {
 }
 int cuStreamSynchronize(CuHandle) { return 0; }
 int cuLaunchKernel(CuHandle function, unsigned blocks, unsigned, unsigned, unsigned threads, unsigned, unsigned,
-                   unsigned, CuHandle, void** arguments, void**) {
+                   unsigned, CuHandle stream, void** arguments, void**) {
+  if (stream != handle(confined ? 4 : 2)) return kNotFound;
   std::vector<int> block_order(blocks);
   std::vector<int> thread_order(threads);
   std::iota(block_order.begin(), block_order.end(), 0);
@@ -161,8 +178,39 @@ int cuEventElapsedTime(float* ms, CuHandle, CuHandle) {
   *ms = 0.0F;
   return 0;
 }
+int cuDeviceGetDevResource(int, CuResource* resource, int type) {
+  if (std::getenv("FAKE_CUDA_NO_SHARES") != nullptr) return kNotSupported;
+  *resource = {};
+  resource->type = type;
+  resource->processors = kProcessors;
+  return 0;
+}
+int cuDevSmResourceSplitByCount(CuResource* result, unsigned* groups, const CuResource* all, CuResource*,
+                                unsigned flags, unsigned least) {
+  const unsigned step = flags == 0 ? 2 : 1;
+  *result = *all;
+  result->processors = (least + step - 1) / step * step;
+  *groups = result->processors <= all->processors ? 1 : 0;
+  return 0;
+}
+int cuDevResourceGenerateDesc(CuHandle* description, CuResource*, unsigned) {
+  *description = handle(5);
+  return 0;
+}
+int cuGreenCtxCreate(CuHandle* context, CuHandle description, int, unsigned flags) {
+  *context = handle(6);
+  return description == handle(5) && flags == 1 ? 0 : kNotFound;
+}
+int cuGreenCtxStreamCreate(CuHandle* stream, CuHandle context, unsigned flags, int) {
+  *stream = handle(4);
+  confined = true;
+  return context == handle(6) && flags == 1 ? 0 : kNotFound;
+}
 int cuGetErrorName(int error, const char** name) {
-  *name = error == kOutOfMemory ? "CUDA_ERROR_OUT_OF_MEMORY" : error == kInvalidPtx ? "CUDA_ERROR_INVALID_PTX" : "?";
+  *name = error == kOutOfMemory    ? "CUDA_ERROR_OUT_OF_MEMORY"
+          : error == kInvalidPtx   ? "CUDA_ERROR_INVALID_PTX"
+          : error == kNotSupported ? "CUDA_ERROR_NOT_SUPPORTED"
+                                   : "?";
   return 0;
 }
 

@@ -3,11 +3,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "mapper/cuda/ask_grid.hpp"
 #include "nav/astar.hpp"
 #include "nav/inflation.hpp"
 #include "tests/support/floor_plans.hpp"
 #include "tests/support/plain_planner.hpp"
 #include "tests/support/sample_maps.hpp"
+#include "tests/support/small_card.hpp"
 
 using namespace g3d;
 using namespace g3d::nav;
@@ -49,6 +51,38 @@ TEST_CASE("Travel costs are Dijkstra's in every cell") {
   Inflation inflation(office, {});
   inflation.rebuild(office);
   compare(field, inflation.cost(), {100, 20}, {});
+}
+
+TEST_CASE("a card in random order finds Dijkstra's travel costs", "[cuda]") {
+  DistanceField field(160 * 160);
+  tests::Random random(14);
+  mapper::cuda::Emulated card = test::small_card(160 * 160, 3);
+  std::size_t reached = 0;
+  const auto check = [&](const Costs& cost, Cell start, const DistanceOptions& options) {
+    field.compute(cost, start, options);
+    std::vector<std::uint32_t> distances(cost.cells.size());
+    REQUIRE(mapper::cuda::ask_grid(card, spread_of(cost, start, options), cost.cells, distances));
+    std::size_t different = 0;
+    for (std::uint32_t i = 0; i < distances.size(); ++i) different += distances[i] != field.cost_to(i) ? 1 : 0;
+    CHECK(different == 0);
+    reached += field.reached().size();
+  };
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    const Costs cost =
+        tests::random_costs(seed, 1 + static_cast<int>(random.below(120)), 1 + static_cast<int>(random.below(120)));
+    const Cell start{static_cast<int>(random.below(static_cast<std::uint32_t>(cost.columns))),
+                     static_cast<int>(random.below(static_cast<std::uint32_t>(cost.rows)))};
+    check(cost, start,
+          {.steps = {.allow_unknown = seed % 3 == 0, .relief_cells = static_cast<int>(seed % 5)},
+           .max_cost = seed % 4 == 0 ? 900U : SearchLabels::kRange});
+  }
+  // A way that winds through every tile many times.
+  Costs maze(0.05, 0, 0, 100, 70, kFreeCost);
+  for (int y = 2; y < 70; y += 4) {
+    for (int x = 0; x < 99; ++x) maze.at({y % 8 == 2 ? x : 99 - x, y}) = kLethalCost;
+  }
+  check(maze, {0, 0}, {});
+  CHECK(reached > 20000);
 }
 
 TEST_CASE("The way to a reached cell costs what the field says, and what A* says") {

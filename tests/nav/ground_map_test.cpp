@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "mapper/mapper.hpp"
+#include "tests/support/emulated_mapper.hpp"
 #include "tests/support/plain_ground.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/voxel_floor.hpp"
@@ -301,4 +302,42 @@ TEST_CASE("A step is occupied, whatever the voxels say, until it is none any mor
   ground.mark_step(c, false);
   CHECK(ground.states().at(c) == nav::CellState::free);
   ground.mark_step({-1, 0}, true);  // outside: nothing
+}
+
+TEST_CASE("what a card reads of columns gives the ground map that the voxels give, and losses are noticed all the same",
+          "[cuda]") {
+  for (const float resolution_m : {0.05F, 0.02F}) {
+    const test::Workload work = test::simulated_drive("furnished_room", 5, 0.4, 3.0, 160);
+    mapper::MapperConfig config;
+    config.resolution_m = resolution_m;
+    config.capacity = {1U << 16, 1U << 15, 1U << 15};
+    test::EmulatedMapper emulated(config, work.camera, 5);
+    GroundMap from_voxels(emulated.map.grid(), small_config(12.8));
+    GroundMap from_card(emulated.map.grid(), small_config(12.8));
+    emulated.twin.follow_columns(from_card.column_tables());
+    std::uint32_t number = 0;
+    std::size_t known = 0;
+    for (const auto& [frame, pose] : work.frames) {
+      mapper::FrameReport report;
+      const auto geometry = mapper::cpu::frame_geometry(emulated.sensor, hal::to_transform(pose));
+      REQUIRE(geometry);
+      REQUIRE(emulated.twin.begin(frame, *geometry, true, ++number, report));
+      from_card.update(emulated.twin.changed_columns());  // the map is still the frame before
+      REQUIRE(emulated.twin.finish(report));
+      from_card.note_slots(emulated.map, emulated.twin.changed_slots());
+      from_voxels.update(emulated.map, emulated.twin.changed_slots());
+      CHECK(from_card.states().cells == from_voxels.states().cells);
+      CHECK(std::equal(from_card.changed_cells().begin(), from_card.changed_cells().end(),
+                       from_voxels.changed_cells().begin(), from_voxels.changed_cells().end()));
+      known += from_card.changed_cells().size();
+      // A block is forgotten, and both are told the slot where it was.
+      const auto slots = emulated.twin.changed_slots();
+      const std::array<std::uint32_t, 1> lost{slots[slots.size() / 2]};
+      REQUIRE(emulated.map.erase_block(emulated.map.header(lost[0]).key));
+      from_card.update(emulated.map, lost);
+      from_voxels.update(emulated.map, lost);
+      CHECK(from_card.states().cells == from_voxels.states().cells);
+    }
+    CHECK(known > 1000);
+  }
 }

@@ -55,7 +55,7 @@ struct World {
     navigator.on_base(view, now);
     if (steps++ % kStepsPerFrame == 0) {
       floor.look(robot);
-      navigator.on_map(floor.map(), floor.changed_slots(), now);
+      navigator.on_map(floor.map(), floor.changed_slots(), {}, now);
     }
     robot.step(hal::permit(navigator.step(now), verdict.allowance), kStep_s);
     now += static_cast<hal::TimeNs>(kStep_s * 1e9);

@@ -13,6 +13,7 @@
 #include "hal/sim/sim_building.hpp"
 #include "hal/sim/world_file.hpp"
 #include "mapper/map_hash.hpp"
+#include "tests/support/fake_card.hpp"
 
 using namespace g3d;
 
@@ -27,7 +28,9 @@ const std::string kPane = "room 0 0 0  10 2 2.5 0.1\nbox -2 0 0  0.02 2 2 glass\
 
 /// A simulated building and the robot in it, in lockstep.
 struct Run {
-  explicit Run(const std::string& text, std::uint64_t seed = 1) {
+  explicit Run(const std::string& text, std::uint64_t seed = 1, mapper::Backend backend = mapper::Backend::cpu) {
+    config.mapper.backend = backend;
+    config.mapper.card_patience_ns = 20'000'000'000;  // the card in these tests is slow
     hal::World world = hal::parse_world(text, "w").value();
     config.T_world_start = world.starts().at(0);
     hal::SimBuildingOptions options;
@@ -94,6 +97,17 @@ TEST_CASE("a robot in lockstep drives, maps, and knows where it is", "[nav][robo
   CHECK(std::hypot(robot.T_world_base().x_m - truth.x_m, robot.T_world_base().y_m - truth.y_m) < 0.03);
   CHECK(std::abs(std::remainder(robot.T_world_base().heading_rad - truth.heading_rad, 6.283185307179586)) < 0.03);
   CHECK(robot.navigator().report().path_m == Approx(run.building->record(0).driven_m).margin(0.1));
+}
+
+TEST_CASE("a robot whose card reads the columns drives as one that looks at voxels", "[nav][robot][cuda]") {
+  const test::FakeCard card(test::FakeDriver::works);
+  Run plain(kRoom, 7);
+  Run with_card(kRoom, 7, mapper::Backend::cuda);
+  for (Run* run : {&plain, &with_card}) run->run(3.0);
+  CHECK(with_card.robot->mapper().card().frames_on_card > 25);
+  CHECK(plain.robot->navigator().ground().states().cells == with_card.robot->navigator().ground().states().cells);
+  CHECK(plain.way.back().rotation_xyzw == with_card.way.back().rotation_xyzw);
+  CHECK(plain.way.back().rotation_xyzw != plain.way.front().rotation_xyzw);  // it turns to look around
 }
 
 TEST_CASE("the same seed gives the same map and the same way, another seed another", "[nav][robot]") {

@@ -37,6 +37,7 @@ FakeCard::~FakeCard() {
   }
   unsetenv("FAKE_CUDA_BYTES");
   unsetenv("FAKE_CUDA_CANNOT_MAP");
+  unsetenv("FAKE_CUDA_NO_SHARES");
 }
 
 }  // namespace g3d::test

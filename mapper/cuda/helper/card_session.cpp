@@ -4,7 +4,9 @@
 #include <time.h>
 
 #include <cstring>
-#include <initializer_list>
+
+#include "mapper/cuda/helper/few_processors.hpp"
+#include "mapper/cuda/helper/text.hpp"
 
 namespace g3d::mapper::cuda {
 namespace {
@@ -23,14 +25,6 @@ constexpr int kProcessorCount = 16;    // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COU
 constexpr int kRelaxedCapture = 2;     // CU_STREAM_CAPTURE_MODE_RELAXED
 constexpr int kErrorLog = 5;           // CU_JIT_ERROR_LOG_BUFFER and its size
 constexpr int kErrorLogBytes = 6;
-
-void put_text(char* to, std::size_t room, const char* a, const char* b, const char* c) {
-  std::size_t n = 0;
-  for (const char* part : {a, b, c}) {
-    for (; part != nullptr && *part != 0 && n + 1 < room; ++part) to[n++] = *part;
-  }
-  to[n] = 0;
-}
 
 unsigned tiles(unsigned size, unsigned tile) { return (size + tile - 1) / tile; }
 
@@ -61,14 +55,18 @@ bool CardSession::make_context() {
   int processors = 1;
   driver_.device_get_attribute(&processors, kProcessorCount, device_);
   processors_ = static_cast<unsigned>(processors);
+  driver_.primary_context_set_flags(device_, kSpin);
+  if (!check(driver_.primary_context_retain(&context, device_), "context") ||
+      !check(driver_.context_set_current(context), "context")) {
+    return false;
+  }
+  confined_ = control_->wanted_processors != 0 && confine(driver_, device_, *control_, stream_, processors_);
   control_->processors = processors_;
   // A frame finds work in about a third of its box: with less than some blocks of the map for every multiprocessor one
   // warp for each would leave most of the card idle.
   by_four_ =
       control_->update_warps == 0 ? control_->sizes.box_blocks < kFewBlocks * processors_ : control_->update_warps == 4;
-  driver_.primary_context_set_flags(device_, kSpin);
-  if (!check(driver_.primary_context_retain(&context, device_), "context") ||
-      !check(driver_.context_set_current(context), "context") || !check(driver_.stream_create(&stream_, 1), "stream") ||
+  if ((!confined_ && !check(driver_.stream_create(&stream_, 1), "stream")) ||
       !check(driver_.event_create(&classes_there_, 0), "event")) {
     return false;
   }
@@ -98,6 +96,7 @@ bool CardSession::load_kernels() {
       return false;
     at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }
+  if (!load_questions(module)) return false;
   std::size_t map_bytes = 0;
   std::size_t params_bytes = 0;
   if (!check(driver_.module_get_global(&memory_symbol_, &map_bytes, module, "memory_map"), "memory_map") ||
@@ -154,7 +153,8 @@ bool CardSession::make_memory() {
 }
 
 bool CardSession::make_graph(CuHandle& graph, Part part) {
-  if (driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
+  // Whether a graph keeps to a stream's multiprocessors is not said anywhere.
+  if (confined_ || driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
       driver_.graph_instantiate == nullptr || driver_.graph_launch == nullptr) {
     return true;
   }
@@ -360,7 +360,18 @@ bool CardSession::obey() {
       return run_stages();
     case HelperCommand::send_blocks:
       return send_blocks(control_->count);
+    case HelperCommand::set_columns:
+      return set_columns();
+    case HelperCommand::read_columns:
+      return read_columns(control_->count);
+    case HelperCommand::spread_grid:
+      return spread_grid();
+    case HelperCommand::cast_rays:
+      return cast_rays(control_->count);
+    case HelperCommand::count_looks:
+      return count_looks(control_->count);
     case HelperCommand::hang:
+    case HelperCommand::end:
       break;
   }
   return false;

@@ -16,10 +16,12 @@ class CardSession {
 
  private:
   enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
+  enum Question { kReadColumns, kCastRays, kMarkLooks, kCountLooks, kBeginSpread, kSpreadRound, kQuestionCount };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
   [[nodiscard]] bool load_kernels();
+  [[nodiscard]] bool load_questions(CuHandle module);
   [[nodiscard]] bool make_memory();
   /// What of a frame is launched together.
   enum class Part { until_colours, from_colours, launches_alone };
@@ -39,6 +41,14 @@ class CardSession {
   [[nodiscard]] bool run_stages();
   [[nodiscard]] bool import_blocks(std::uint32_t count);
   [[nodiscard]] bool send_blocks(std::uint32_t first);
+  /// So many tasks, one block of threads for each; fewer blocks stride over them where they would not fit.
+  [[nodiscard]] bool ask(Question question, CuHandle stream, std::uint64_t tasks, unsigned threads, void** arguments);
+  [[nodiscard]] bool finish_question(CuHandle stream);
+  [[nodiscard]] bool set_columns();
+  [[nodiscard]] bool read_columns(std::uint32_t first);
+  [[nodiscard]] bool spread_grid();
+  [[nodiscard]] bool cast_rays(std::uint32_t count);
+  [[nodiscard]] bool count_looks(std::uint32_t count);
   [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);
   [[nodiscard]] bool fetch_classes();
   [[nodiscard]] bool fetch_parcels(std::uint32_t first);
@@ -53,7 +63,10 @@ class CardSession {
   CuHandle stream_ = nullptr;
   CuHandle kernels_[kKernelCount] = {};
   unsigned at_once_[kKernelCount] = {};  ///< blocks of threads that the card runs side by side
-  CuHandle first_graph_ = nullptr;       ///< a frame up to where it needs colours
+  CuHandle questions_[kQuestionCount] = {};
+  CuHandle side_stream_ = nullptr;  ///< beside the frame's
+  unsigned questions_at_once_[kQuestionCount] = {};
+  CuHandle first_graph_ = nullptr;  ///< a frame up to where it needs colours
   CuHandle last_graph_ = nullptr;
   CuHandle launch_graph_ = nullptr;  ///< all launches without copies
   CuHandle events_[kStages + 1] = {};
@@ -67,8 +80,9 @@ class CardSession {
   Classes classes_{};
   bool first_parcels_sent_ = false;
   bool mapped_ = false;
-  unsigned processors_ = 1;
-  bool by_four_ = false;  ///< warps for a block of the map, else one
+  unsigned processors_ = 1;  ///< multiprocessors
+  bool confined_ = false;    ///< to fewer than the card has
+  bool by_four_ = false;     ///< warps for a block of the map, else one
 };
 
 }  // namespace g3d::mapper::cuda

@@ -55,6 +55,11 @@ const char* load_driver(Driver& d) {
       entry("cuStreamEndCapture", d.stream_end_capture, false),
       entry("cuGraphInstantiateWithFlags", d.graph_instantiate, false),
       entry("cuGraphLaunch", d.graph_launch, false),
+      entry("cuDeviceGetDevResource", d.device_get_resource, false),
+      entry("cuDevSmResourceSplitByCount", d.split_resource, false),
+      entry("cuDevResourceGenerateDesc", d.describe_resource, false),
+      entry("cuGreenCtxCreate", d.green_context_create, false),
+      entry("cuGreenCtxStreamCreate", d.green_stream_create, false),
   };
   for (const Entry& e : entries) {
     *e.function = dlsym(library, e.name);

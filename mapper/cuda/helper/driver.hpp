@@ -11,6 +11,7 @@ namespace g3d::mapper::cuda {
 using CuDevicePointer = unsigned long long;
 struct CuOpaque;
 using CuHandle = CuOpaque*;
+struct CuResource;  ///< see few_processors.hpp
 
 struct Driver {
   int (*init)(unsigned);
@@ -46,6 +47,12 @@ struct Driver {
   int (*stream_end_capture)(CuHandle, CuHandle*);
   int (*graph_instantiate)(CuHandle*, CuHandle, unsigned long long);
   int (*graph_launch)(CuHandle, CuHandle);
+  // From CUDA 12.5 on: for measurements alone
+  int (*device_get_resource)(int, CuResource*, int);
+  int (*split_resource)(CuResource*, unsigned*, const CuResource*, CuResource*, unsigned, unsigned);
+  int (*describe_resource)(CuHandle*, CuResource*, unsigned);
+  int (*green_context_create)(CuHandle*, CuHandle, int, unsigned);
+  int (*green_stream_create)(CuHandle*, CuHandle, unsigned, int);
 };
 
 /// Name of the first function that is missing, or of the library if it cannot be loaded; nullptr if all is there.

@@ -75,6 +75,7 @@ inline G3D_GPU void settle_share(GpuPool& share) {
 inline constexpr int kTidyTasks = 3 * static_cast<int>(kShares);
 
 /// Takes off what was taken from one share and puts what was given back onto its stack. In a launch that does neither.
+template <int kThreads>
 inline G3D_GPU void tidy_share(const Block& block, const Memory& m, int task) {
   MapState& s = *m.state;
   const int kind = task / static_cast<int>(kShares);
@@ -89,7 +90,7 @@ inline G3D_GPU void tidy_share(const Block& block, const Memory& m, int task) {
                                              : m.returned_bricks) +
                                 share.first;
     const std::uint32_t count = share.returned_count;
-    for (std::uint32_t i = static_cast<std::uint32_t>(t); i < count; i += kPixelThreads) to[i] = from[i];
+    for (std::uint32_t i = static_cast<std::uint32_t>(t); i < count; i += kThreads) to[i] = from[i];
   });
   block.each([&](int t) {
     if (t == 0) settle_share(share);
@@ -126,14 +127,15 @@ inline G3D_GPU std::uint32_t insert_block(const Memory& m, std::uint64_t key, st
   return slot;
 }
 
-inline G3D_GPU void erase_block(const Memory& m, std::uint64_t key) {
+/// Its former place in the table, kNone if it was not in the map.
+inline G3D_GPU std::uint32_t erase_block(const Memory& m, std::uint64_t key) {
   const std::uint32_t mask = m.table_mask;
   std::uint32_t place = home_of(key, mask);
   for (std::uint32_t probes = 0; probes <= mask && m.table_keys[place] != key + 1; ++probes) {
-    if (m.table_keys[place] == 0) return;
+    if (m.table_keys[place] == 0) return kNone;
     place = (place + 1) & mask;
   }
-  if (m.table_keys[place] != key + 1) return;
+  if (m.table_keys[place] != key + 1) return kNone;
   const std::uint32_t slot = m.table_slots[place];
   m.table_keys[place] = kForgotten;
   GpuBlock& gone = m.blocks[slot];
@@ -143,6 +145,18 @@ inline G3D_GPU void erase_block(const Memory& m, std::uint64_t key) {
   }
   gone.key = kForgotten;
   give_back(m.state->blocks, m.returned_blocks, slot);
+  return place;
+}
+
+/// The same in a launch that makes no blocks. Where a search would end behind the place anyway it becomes an empty one
+/// again, and the forgotten ones before it: a map that follows the robot would fill the table with them, and searches
+/// would never end before they have seen all of it.
+inline G3D_GPU void forget_block(const Memory& m, std::uint64_t key) {
+  std::uint32_t place = erase_block(m, key);
+  if (place == kNone || m.table_keys[(place + 1) & m.table_mask] != 0) return;
+  while (atomic_cas(m.table_keys + place, kForgotten, std::uint64_t{0}) == kForgotten) {
+    place = (place - 1) & m.table_mask;
+  }
 }
 
 }  // namespace g3d::mapper::cuda

@@ -82,13 +82,6 @@ inline G3D_GPU void append(const Block& block, ListShares& s, PerThread<std::uin
   });
 }
 
-/// M & 511 of a voxel, whose coordinates are 0..7, in 32 bits.
-[[nodiscard]] constexpr std::uint32_t spread_three(std::uint32_t v) { return (v & 1U) | (v & 2U) << 2 | (v & 4U) << 4; }
-[[nodiscard]] constexpr std::uint32_t place_at(std::int32_t x, std::int32_t y, std::int32_t z) {
-  return spread_three(static_cast<std::uint32_t>(x)) | spread_three(static_cast<std::uint32_t>(y)) << 1 |
-         spread_three(static_cast<std::uint32_t>(z)) << 2;
-}
-
 /// Camera-frame position of the centre of a block's first voxel; see cpu::voxel_in_camera_m.
 struct Corner {
   float x_m;

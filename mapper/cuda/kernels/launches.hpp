@@ -10,16 +10,26 @@
 //   export_classes   counters and the changed blocks' classes to the host, which waits for them
 //   export_blocks    changed blocks to the host
 //
+// When somebody asks: read_columns after a frame; between frames cast_rays, or mark_looks and count_looks;
+// at any time begin_spread, and spread_round again and again.
+//
 // No launch waits for the host: counts stay on the card, and blocks of threads stride over what there is.
 #pragma once
 
+#include "mapper/cuda/kernels/cast_rays.hpp"
 #include "mapper/cuda/kernels/classes.hpp"
+#include "mapper/cuda/kernels/columns.hpp"
 #include "mapper/cuda/kernels/parcels.hpp"
+#include "mapper/cuda/kernels/spread_grid.hpp"
 #include "mapper/cuda/kernels/update_blocks.hpp"
 
 namespace g3d::mapper::cuda {
 
+/// 0 parcels: pools are tidied up instead, so that what earlier ones gave back can be taken by later ones.
 inline G3D_GPU void import_blocks(const Block& block, const Memory& m, const Parcels& in, std::uint32_t count) {
+  for (int task = block.index; task < kTidyTasks && count == 0; task += block.count) {
+    tidy_share<kParcelThreads>(block, m, task);
+  }
   for (std::uint32_t i = static_cast<std::uint32_t>(block.index); i < count;
        i += static_cast<std::uint32_t>(block.count)) {
     receive_block(block, m, in, i);
@@ -31,7 +41,7 @@ inline G3D_GPU void read_image(const Block& block, const Memory& m, const FrameP
   const int all = kTidyTasks + 2 * reads;
   for (int task = block.index; task < all; task += block.count) {
     if (task < kTidyTasks) {
-      tidy_share(block, m, task);
+      tidy_share<kPixelThreads>(block, m, task);
     } else if (task < kTidyTasks + reads) {
       read_tile(block, m, f, task - kTidyTasks);
     } else {

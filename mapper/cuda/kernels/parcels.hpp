@@ -95,7 +95,7 @@ inline G3D_GPU void receive_block(const Block& block, const Memory& m, const Par
     if (t != 0) return;
     s.accepted = 0;
     if (head.erase != 0) {
-      erase_block(m, head.key);
+      forget_block(m, head.key);
       return;
     }
     std::uint32_t slot = find_block(m, head.key);

@@ -171,7 +171,7 @@ inline G3D_GPU void enter_memory(const Memory& m, const WorkItem& item, std::uin
     return;
   }
   if (s.plane != item.plane) give_back(map.planes, m.returned_planes, s.plane);
-  if (s.slot != item.slot) erase_block(m, key);
+  if (s.slot != item.slot) (void)erase_block(m, key);
 }
 
 inline G3D_GPU std::uint32_t pixel_rgb(const Memory& m, std::uint32_t pixel) {

@@ -6,9 +6,11 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cstring>
 #include <thread>
 
 #include "mapper/map_hash.hpp"
+#include "tests/support/bulk_rays.hpp"
 #include "tests/support/fake_card.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -98,7 +100,10 @@ TEST_CASE("a helper that dies while it comes up again is not the last one") {
     const int process = mapper.card_process();
     REQUIRE(process > 0);
     REQUIRE(kill(process, SIGKILL) == 0);
-    while (mapper.card_process() == process || mapper.card_process() <= 0) integrate_one();
+    while (mapper.card_process() == process || mapper.card_process() <= 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      integrate_one();
+    }
     CHECK(mapper.card().frames_on_card == by_card);
   }
   const std::uint64_t by_card = mapper.card().frames_on_card;
@@ -106,6 +111,45 @@ TEST_CASE("a helper that dies while it comes up again is not the last one") {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     integrate_one();
   }
+  CHECK(map_hash(mapper.map()) == map_hash(plain.map()));
+}
+
+TEST_CASE("questions are answered alike by the card, without one, and when it is lost over them") {
+  const test::FakeCard card(test::FakeDriver::works);
+  const hal::CameraModel camera = test::small_camera(40);
+  Mapper plain(config_on(Backend::cpu), camera);
+  Mapper mapper(config_on(Backend::cuda), camera);
+  const auto frames = frames_of(camera, 3);
+  const std::vector<BulkRay> rays = test::random_rays(7, 900, 0.11F, 4.0);
+  const auto check_equal = [&] {
+    std::vector<BulkHit> expected(rays.size());
+    std::vector<BulkHit> hits(rays.size());
+    plain.cast_rays(rays, expected);
+    mapper.cast_rays(rays, hits);
+    CHECK(test::same_hits(hits, expected));
+    std::vector<Look> looks{plain.look_from(test::random_pose(1)), plain.look_from(test::random_pose(2))};
+    std::vector<Look> expected_looks = looks;
+    plain.count_looks(expected_looks, 2);
+    mapper.count_looks(looks, 2);
+    CHECK(std::memcmp(looks.data(), expected_looks.data(), looks.size() * sizeof(Look)) == 0);
+    CHECK(looks[0].gain.unknown_voxels > 0);
+  };
+  for (std::size_t i = 0; i < 2; ++i) {
+    (void)plain.integrate(frames[i].frame, frames[i].T_world_camera);
+    (void)mapper.integrate(frames[i].frame, frames[i].T_world_camera);
+    check_equal();
+  }
+  CHECK(mapper.card().questions_on_card == 4);
+  // Between the two parts of a frame the card's map is not yet what map() says.
+  REQUIRE(mapper.begin_frame(frames[2].frame, frames[2].T_world_camera));
+  check_equal();
+  CHECK(mapper.card().questions_on_card == 4);
+  (void)mapper.finish_frame();
+  (void)plain.integrate(frames[2].frame, frames[2].T_world_camera);
+  REQUIRE(kill(mapper.card_process(), SIGKILL) == 0);
+  check_equal();
+  CHECK(mapper.card().questions_on_cpu == 2);
+  CHECK(mapper.card().losses == 1);
   CHECK(map_hash(mapper.map()) == map_hash(plain.map()));
 }
 

@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/cuda/carried.hpp"
 
+#include <elf.h>
+
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <string>
 
 using namespace g3d::mapper::cuda;
+
+namespace {
+
+/// Bytes of the helper's table of constructors.
+std::size_t constructor_bytes(std::span<const std::byte> program) {
+  Elf64_Ehdr file;
+  REQUIRE(program.size() > sizeof file);
+  std::memcpy(&file, program.data(), sizeof file);
+  REQUIRE(file.e_shnum > 0);
+  REQUIRE(file.e_shoff + file.e_shnum * sizeof(Elf64_Shdr) <= program.size());
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < file.e_shnum; ++i) {
+    Elf64_Shdr section;
+    std::memcpy(&section, program.data() + file.e_shoff + i * sizeof section, sizeof section);
+    if (section.sh_type == SHT_INIT_ARRAY) bytes += section.sh_size;
+  }
+  return bytes;
+}
+
+}  // namespace
 
 TEST_CASE("the executable carries a helper program and kernels that a TX2's driver accepts") {
   const auto helper = carried_helper();
@@ -20,10 +42,39 @@ TEST_CASE("the executable carries a helper program and kernels that a TX2's driv
   CHECK(kernels.find(".version 6.3\n") != std::string_view::npos);
   CHECK(kernels.find(".target sm_62\n") != std::string_view::npos);
   CHECK(kernels.find(".address_size 64\n") != std::string_view::npos);
-  for (const char* name : {"import_blocks_kernel", "read_image_kernel", "walk_image_kernel", "find_work_kernel",
-                           "update_map_1_kernel", "update_map_4_kernel", "export_blocks_kernel"}) {
+  for (const char* name :
+       {"import_blocks_kernel", "read_image_kernel", "walk_image_kernel", "find_work_kernel", "update_map_1_kernel",
+        "update_map_4_kernel", "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
+        "cast_rays_kernel", "mark_looks_kernel", "count_looks_kernel", "begin_spread_kernel", "spread_round_kernel"}) {
     CHECK(kernels.find(std::string(".visible .entry ") + name + "(") != std::string_view::npos);
   }
+}
+
+TEST_CASE("the helper program starts on a system with a C library as old as the first for its processor") {
+  const auto helper = carried_helper();
+  const std::string_view text(reinterpret_cast<const char*>(helper.data()), helper.size());
+  constexpr std::string_view kName = "GLIBC_";
+  std::size_t versions = 0;
+  for (std::size_t at = text.find(kName); at != std::string_view::npos; at = text.find(kName, at + 1)) {
+    const std::string version(text.data() + at + kName.size());
+    INFO(version);
+    CHECK((version == "2.2.5" || version == "2.17"));  // x86-64, aarch64
+    ++versions;
+  }
+  CHECK(versions > 0);
+  CHECK(text.find("libstdc++") == std::string_view::npos);
+  CHECK(text.find("libgcc") == std::string_view::npos);
+  // The compiler's own (it registers nothing) may be left out, anybody else's not: old systems would not run it.
+  CHECK(constructor_bytes(helper) <= sizeof(void*));
+}
+
+TEST_CASE("the kernels need nothing from elsewhere, and are small enough to be compiled when a robot starts") {
+  const std::string_view kernels = carried_kernels();
+  CHECK(kernels.find(".visible .entry export_classes_kernel(") != std::string_view::npos);
+  CHECK(kernels.find(".extern") == std::string_view::npos);
+  CHECK(kernels.find("call") == std::string_view::npos);  // all is inlined: no stack, no library
+  CHECK(kernels.find(".version", kernels.find(".version") + 1) == std::string_view::npos);
+  CHECK(kernels.size() < (std::size_t{1} << 20));
 }
 
 TEST_CASE("no kernel fuses or approximates, so that both twins round alike") {

@@ -6,10 +6,16 @@
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <cstring>
+#include <map>
+#include <vector>
 
+#include "mapper/cpu/bulk_rays.hpp"
 #include "mapper/cuda/carried.hpp"
 #include "mapper/cuda/twin.hpp"
 #include "mapper/map_hash.hpp"
+#include "tests/support/bulk_rays.hpp"
+#include "tests/support/emulated_mapper.hpp"
 #include "tests/support/fake_card.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -79,6 +85,78 @@ TEST_CASE("frames through the helper process give the CPU twin's map, with and w
       REQUIRE(map_hash(rig.map) == map_hash(cpu_twin.map()));
       REQUIRE(rig.map.erase_block(rig.map.sorted_keys()[0]));
       REQUIRE(cpu_twin.map().erase_block(cpu_twin.map().sorted_keys()[0]));
+    }
+  }
+}
+
+TEST_CASE("questions through the helper process are answered as by the CPU twin, in one round or several") {
+  const hal::CameraModel camera = test::small_camera(40);
+  for (const bool can_map : {true, false}) {
+    const test::FakeCard card(test::FakeDriver::works);
+    if (!can_map) setenv("FAKE_CUDA_CANNOT_MAP", "1", 1);
+    Rig rig(camera);
+    REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+    rig.twin.set_card(rig.helper);
+    for (const auto& [frame, pose] : test::random_frames(camera, 2, 44)) {
+      FrameReport report;
+      REQUIRE(rig.integrate(frame, pose, report));
+    }
+    cpu::ThreadPool pool(1);
+    const std::vector<BulkRay> rays = test::random_rays(45, 5000, rig.config.resolution_m, 3.0);
+    std::vector<BulkHit> expected(rays.size());
+    std::vector<BulkHit> hits(rays.size());
+    cpu::cast_bulk_rays(rig.map, rays, expected, pool);
+    REQUIRE(rig.twin.cast_rays(rays, hits));
+    CHECK(test::same_hits(hits, expected));
+    const LookModel model = cpu::look_model(rig.sensor, 2);
+    std::vector<Look> looks;
+    for (std::uint64_t i = 0; i < rig.helper->look_room() + 3; ++i) {
+      looks.push_back(cpu::look_from(rig.sensor, hal::to_transform(test::random_pose(i))));
+    }
+    std::vector<Look> expected_looks = looks;
+    cpu::LookCounter(rig.sensor).count(rig.map, model, expected_looks, pool);
+    REQUIRE(rig.twin.count_looks(model, looks));
+    CHECK(std::memcmp(looks.data(), expected_looks.data(), looks.size() * sizeof(Look)) == 0);
+  }
+}
+
+TEST_CASE("columns of what a frame changed come through the helper process as from an emulated card") {
+  const hal::CameraModel camera = test::small_camera(60);
+  ColumnTables tables{};
+  tables.first_block_z = 4096 - 10;
+  tables.last_block_z = 4096 + 10;
+  tables.voxels_per_cell = 1;
+  for (int z = 0; z < 21; ++z) {
+    for (int i = 0; i < 8; ++i) tables.kinds[z][i] = static_cast<std::uint8_t>((z + i) % kLayerKinds);
+  }
+  for (std::uint32_t kind = 0; kind < kLayerKinds; ++kind) {
+    for (std::uint32_t level = 0; level < kColumnLevels; ++level) {
+      tables.bits[kind][level] = static_cast<std::uint8_t>((kind * 7 + level) & 63U);
+    }
+  }
+  for (const bool can_map : {true, false}) {
+    const test::FakeCard card(test::FakeDriver::works);
+    if (!can_map) setenv("FAKE_CUDA_CANNOT_MAP", "1", 1);
+    Rig rig(camera);
+    REQUIRE(rig.helper->wait_started(20 * kSecond_ns) == HelperState::ready);
+    rig.twin.set_card(rig.helper);
+    test::EmulatedMapper emulated(small_config(), camera, 3);
+    rig.twin.follow_columns(tables);
+    emulated.twin.follow_columns(tables);
+    for (const auto& [frame, pose] : test::random_frames(camera, 3, 46)) {
+      FrameReport report;
+      REQUIRE(rig.integrate(frame, pose, report));
+      (void)emulated.integrate(frame, pose);
+      const auto by_key = [](const ChangedColumns& columns) {
+        std::map<BlockKey, std::vector<std::uint8_t>> cells;
+        for (std::size_t i = 0; i < columns.keys.size(); ++i) {
+          const std::uint8_t* first = columns.cells + i * columns.cells_per_block;
+          cells[columns.keys[i]].assign(first, first + columns.cells_per_block);
+        }
+        return cells;
+      };
+      CHECK_FALSE(rig.twin.changed_columns().keys.empty());
+      CHECK(by_key(rig.twin.changed_columns()) == by_key(emulated.twin.changed_columns()));
     }
   }
 }

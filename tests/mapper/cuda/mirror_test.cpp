@@ -48,21 +48,22 @@ TEST_CASE("blocks of every form pass from one map to another by parcel, over wha
     const BlockKey key = random.below(12);
     REQUIRE(from.write_block(key, random_block(random)));
     const std::uint32_t index = random.below(kRoom);
-    make_parcel(from, key, memory.parcels, index);
-    const std::uint32_t slot = take_parcel(to, memory.parcels, index, 5);
+    REQUIRE(make_parcel(from, key, memory.parcels, index));
+    const auto [slot, complete] = take_parcel(to, memory.parcels, index, 5);
     REQUIRE(slot == to.find(key));
+    REQUIRE(complete);
     CHECK(to.header(slot).changed_frame == 5);
     REQUIRE(map_hash(to) == map_hash(from));
     CHECK(to.memory().used_bytes == from.memory().used_bytes);
   }
 }
 
-TEST_CASE("a block that is not in the map is a parcel that erases") {
-  VoxelMap map(Grid{0.05F}, {16, 16, 16});
+TEST_CASE("of a block that is not in the map there is no parcel") {
+  const VoxelMap map(Grid{0.05F}, {16, 16, 16});
   ParcelMemory memory;
-  make_parcel(map, 77, memory.parcels, 2);
-  CHECK(memory.heads[2].key == 77);
-  CHECK(memory.heads[2].erase == 1);
+  memory.heads[2].key = 5;
+  CHECK_FALSE(make_parcel(map, 77, memory.parcels, 2));
+  CHECK(memory.heads[2].key == 5);
 }
 
 TEST_CASE("a full map refuses a parcel and says so") {
@@ -74,8 +75,37 @@ TEST_CASE("a full map refuses a parcel and says so") {
   REQUIRE(from.write_block(1, values));
   values[7] = 30;
   REQUIRE(from.write_block(2, values));
-  make_parcel(from, 2, memory.parcels, 0);
-  CHECK(take_parcel(to, memory.parcels, 0, 1) == kNoSlot);  // no plane left
-  make_parcel(from, 1, memory.parcels, 0);
-  CHECK(take_parcel(to, memory.parcels, 0, 1) == kNoSlot);  // no block left: the one above took it
+  REQUIRE(make_parcel(from, 2, memory.parcels, 0));
+  CHECK(take_parcel(to, memory.parcels, 0, 1).slot == kNoSlot);  // no plane left
+  CHECK(to.block_count() == 0);
+  REQUIRE(make_parcel(from, 1, memory.parcels, 0));
+  const Taken first = take_parcel(to, memory.parcels, 0, 1);
+  CHECK((first.slot != kNoSlot && first.complete));
+  CHECK(to.at(std::uint64_t{1} << 9) == 3);
+  values.fill(9);
+  REQUIRE(from.write_block(3, values));
+  REQUIRE(make_parcel(from, 3, memory.parcels, 0));
+  CHECK(take_parcel(to, memory.parcels, 0, 1).slot == kNoSlot);  // no block left
+}
+
+TEST_CASE("a map that is full of colours takes the levels alone") {
+  VoxelMap from(Grid{0.05F}, {16, 16, 16});
+  VoxelMap to(Grid{0.05F}, {16, 16, 1});
+  ParcelMemory memory;
+  BlockValues values;
+  values.fill(3);
+  for (const std::size_t place : {5U, 6U, 200U}) values[place] = make_rgbo(90, 80, 70, 20) | kHasColourBit;
+  REQUIRE(from.write_block(1, values));
+  REQUIRE(make_parcel(from, 1, memory.parcels, 0));
+  const Taken taken = take_parcel(to, memory.parcels, 0, 1);
+  REQUIRE(taken.slot != kNoSlot);
+  CHECK_FALSE(taken.complete);
+  BlockValues got;
+  REQUIRE(to.read_block(1, got));
+  CHECK(got[5] == make_rgbo(90, 80, 70, 20));  // the one brick that there is
+  CHECK(got[200] == make_rgbo(0, 0, 0, 20));
+  // And what it says of itself is what a map with room says of it.
+  REQUIRE(make_parcel(to, 1, memory.parcels, 0));
+  REQUIRE(take_parcel(from, memory.parcels, 0, 2).complete);
+  CHECK(map_hash(from) == map_hash(to));
 }

@@ -5,9 +5,12 @@
 
 #include <catch2/catch.hpp>
 #include <functional>
+#include <limits>
 
+#include "mapper/cpu/bulk_rays.hpp"
 #include "mapper/map_hash.hpp"
 #include "tests/support/emulated_mapper.hpp"
+#include "tests/support/faulty_card.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -37,40 +40,6 @@ void change_blocks(VoxelMap& map, std::uint64_t seed) {
     REQUIRE(map.write_block(key, values));  // twice between two frames: it is sent once
   }
 }
-
-/// A card that passes everything on, until told to do something wrong.
-class FaultyCard final : public cuda::Card {
- public:
-  explicit FaultyCard(std::shared_ptr<cuda::Card> good) : good_(std::move(good)) {}
-  cuda::FrameInput& input() override { return good_->input(); }
-  std::uint16_t* depth() override { return good_->depth(); }
-  std::uint8_t* rgb() override { return good_->rgb(); }
-  const cuda::Parcels& parcels() override { return good_->parcels(); }
-  std::uint32_t room() const override { return good_->room(); }
-  bool import_blocks(std::uint32_t count) override { return good_->import_blocks(count) && !fails_to_import; }
-  const cuda::Classes& classes() override { return good_->classes(); }
-  std::uint32_t class_room() const override { return good_->class_room(); }
-  bool begin_frame() override { return good_->begin_frame(); }
-  bool finish_frame(cuda::FrameCounters& counters) override {
-    const bool done = good_->finish_frame(counters);
-    if (spoil) spoil(counters, good_->classes());
-    return done && !fails_to_run;
-  }
-  bool send_blocks(std::uint32_t first) override {
-    const bool done = good_->send_blocks(first);
-    if (spoil_parcels) spoil_parcels(good_->parcels());
-    return done && !fails_to_send;
-  }
-
-  bool fails_to_import = false;
-  bool fails_to_run = false;
-  bool fails_to_send = false;
-  std::function<void(cuda::FrameCounters&, const cuda::Classes&)> spoil;
-  std::function<void(const cuda::Parcels&)> spoil_parcels;
-
- private:
-  std::shared_ptr<cuda::Card> good_;
-};
 
 }  // namespace
 
@@ -107,7 +76,7 @@ TEST_CASE("a frame that changes more blocks than there is room for comes in roun
   config.capacity = {1U << 16, 1U << 15, 1U << 16};
   Mapper cpu_twin(config, camera);
   test::EmulatedMapper emulated(config, camera, 7);
-  auto faulty = std::make_shared<FaultyCard>(emulated.card);
+  auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
   emulated.twin.set_card(faulty);
   const auto frames = test::random_frames(camera, 3, 7);
   for (const auto& [frame, pose] : frames) {
@@ -126,9 +95,9 @@ TEST_CASE("a frame that changes more blocks than there is room for comes in roun
 TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
   const hal::CameraModel camera = test::small_camera(60);
   const auto frames = test::random_frames(camera, 2, 8);
-  using Lie = std::function<void(FaultyCard&)>;
-  const auto about_frame = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil = spoil; }; };
-  const auto about_parcels = [](auto spoil) { return [spoil](FaultyCard& card) { card.spoil_parcels = spoil; }; };
+  using Lie = std::function<void(test::FaultyCard&)>;
+  const auto about_frame = [](auto spoil) { return [spoil](test::FaultyCard& card) { card.spoil = spoil; }; };
+  const auto about_parcels = [](auto spoil) { return [spoil](test::FaultyCard& card) { card.spoil_parcels = spoil; }; };
   const std::vector<Lie> lies{
       about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.changed = 0xFFFFFFFF; }),
       about_frame([](cuda::FrameCounters& c, const cuda::Classes&) { c.refused_imports = 1; }),
@@ -142,7 +111,7 @@ TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
   for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
     INFO("fault " << fault);
     test::EmulatedMapper emulated(small_config(), camera, 8);
-    auto faulty = std::make_shared<FaultyCard>(emulated.card);
+    auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
     emulated.twin.set_card(faulty);
     (void)emulated.integrate(frames[0].frame, frames[0].T_world_camera);
     const std::string before = map_hash(emulated.map);
@@ -159,6 +128,36 @@ TEST_CASE("a card that fails or lies is lost, and the mirror is what it was") {
     REQUIRE(geometry);
     CHECK_FALSE(emulated.twin.integrate(frames[1].frame, *geometry, true, 2, report));
     CHECK(map_hash(emulated.map) == expected);
+  }
+}
+
+TEST_CASE("a card that fails to answer, or answers what cannot be, is lost") {
+  const hal::CameraModel camera = test::small_camera(40);
+  using Lie = std::function<void(const cuda::Queries&)>;
+  const std::vector<Lie> lies{
+      [](const cuda::Queries& q) { q.ray_hits[3].end = static_cast<RayEnd>(4); },
+      [](const cuda::Queries& q) { q.ray_hits[0].distance_m = 1e9F; },
+      [](const cuda::Queries& q) { q.ray_hits[1].distance_m = std::numeric_limits<float>::quiet_NaN(); },
+      [](const cuda::Queries& q) { q.looks[0].gain.unknown_voxels = 0xFFFFFFFF; },
+      [](const cuda::Queries& q) { q.looks[0].gain.near_rays = 40 * 40; },
+  };
+  const std::vector<BulkRay> rays(20, BulkRay{{0, 0, 0}, {1, 1, 0}, 3.0F, 0});
+  for (std::size_t fault = 0; fault < lies.size() + 2; ++fault) {
+    INFO("fault " << fault);
+    test::EmulatedMapper emulated(small_config(), camera, 8);
+    auto faulty = std::make_shared<test::FaultyCard>(emulated.card);
+    emulated.twin.set_card(faulty);
+    const LookModel model = cpu::look_model(emulated.sensor, 2);
+    std::vector<BulkHit> hits(rays.size());
+    std::vector<Look> looks{cpu::look_from(emulated.sensor, hal::to_transform(test::random_pose(1)))};
+    CHECK(emulated.twin.cast_rays(rays, hits));
+    CHECK(emulated.twin.count_looks(model, looks));
+    looks[0].gain = {};
+    if (fault < lies.size()) faulty->spoil_answers = lies[fault];
+    faulty->fails_to_answer = fault == lies.size();
+    if (fault == lies.size() + 1) emulated.map.clear();  // only an empty card can follow
+    const bool both = emulated.twin.cast_rays(rays, hits) && emulated.twin.count_looks(model, looks);
+    CHECK_FALSE(both);
   }
 }
 

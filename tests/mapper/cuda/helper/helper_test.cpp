@@ -14,6 +14,20 @@
 using namespace g3d;
 using mapper::cuda::HelperState;
 
+TEST_CASE("a helper that is told to end does so by itself") {
+  const test::FakeCard card(test::FakeDriver::works);
+  test::SmallHelper helper;
+  REQUIRE(helper.started() == HelperState::ready);
+  const pid_t pid = helper->pid();
+  REQUIRE(helper->end(20'000'000'000));
+  int status = -1;
+  REQUIRE(waitpid(pid, &status, 0) == pid);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK_FALSE(helper->import_blocks(0));
+  CHECK_FALSE(helper->end(20'000'000'000));
+}
+
 TEST_CASE("a helper whose program has ended ends as well") {
   const test::FakeCard card(test::FakeDriver::works);
   int pipe_ends[2];
