@@ -6,6 +6,9 @@ include $(TOOLCHAIN)
 
 BUILD ?= build/host
 OPT ?= -O2 -g1
+# Tests are not what we measure.
+TEST_OPT ?= -O1 -g1
+LIGHT_TEST_OPT ?= $(TEST_OPT)
 SANITIZE ?=
 # What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
 COVERAGE ?=
@@ -89,7 +92,8 @@ $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
 
 # One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
-ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" \
+# To optimise an instrumented test takes clang a second or two, which most tests never win back.
+ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" LIGHT_TEST_OPT="-O0 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
@@ -180,6 +184,11 @@ $(BUILD)/gpu_bench $(BUILD)/gpu_query_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
+# Starts the helper under a tool.
+$(BUILD)/helper_by_shell: tests/bench/helper_by_shell.cpp
+	$(SAY) $@
+	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -s -static -o $@ $<
+
 bench-explore: all ## every world and building map from many starts, hours; resumable (see scripts/bench_explore)
 	G3DMAP_EXE=$(abspath $(EXE)) scripts/bench_explore $(BENCH_ARGS)
 
@@ -217,19 +226,31 @@ force:
 $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
 
-# Catch2 is parsed once per flavour, not once per test file.
-$(PCH).gch: OPT := -O1 -g1
-$(PCH).gch: tests/precompiled.hpp toolchain/common_headers.hpp
+# Tests that compute much themselves, or have to answer in time. All others are light.
+COMPUTING_TESTS := $(addprefix tests/,hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
+  $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
+  $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
+    inflation_% navigator_% outputs_% robot_% viewpoints_%))
+LIGHT_TEST_SRC := $(filter-out $(COMPUTING_TESTS),$(UNIT_SRC))
+LIGHT_TEST_OBJ := $(call objects,$(LIGHT_TEST_SRC))
+TEST_OBJ := $(call objects,$(filter-out $(LIGHT_TEST_SRC),$(UNIT_SRC) $(SYSTEM_SRC)) $(SUPPORT_SRC))
+
+# Catch2 is parsed once for each set of options, not once per test file: a precompiled header wants the same options as
+# its users.
+LIGHT_PCH := $(if $(filter-out $(TEST_OPT),$(LIGHT_TEST_OPT)),$(BUILD)/tests/light/precompiled.hpp,$(PCH))
+$(PCH).gch: private FLAGS += $(TEST_OPT)
+$(BUILD)/tests/light/precompiled.hpp.gch: private FLAGS += $(LIGHT_TEST_OPT)
+$(sort $(PCH).gch $(LIGHT_PCH).gch): tests/precompiled.hpp toolchain/common_headers.hpp
 $(COMMON).gch: toolchain/common_headers.hpp
-$(PCH).gch $(COMMON).gch:
+$(sort $(PCH).gch $(LIGHT_PCH).gch $(COMMON).gch):
 	@mkdir -p $(@D)
 	@cp $< $(basename $@)
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(basename $@).d -x c++-header -o $@ $<
 precompiled = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(1)
-$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private FLAGS += $(call precompiled,$(PCH))
-$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): $(PCH).gch
-# Tests are not what we measure; and a precompiled header wants the same options as its users.
-$(call objects,$(UNIT_SRC) $(SYSTEM_SRC) $(SUPPORT_SRC)): private OPT := -O1 -g1
+$(TEST_OBJ): private FLAGS += $(TEST_OPT) $(call precompiled,$(PCH))
+$(TEST_OBJ): $(PCH).gch
+$(LIGHT_TEST_OBJ): private FLAGS += $(LIGHT_TEST_OPT) $(call precompiled,$(LIGHT_PCH))
+$(LIGHT_TEST_OBJ): $(LIGHT_PCH).gch
 # Where the time of a frame goes, the last optimisation counts.
 HOT := $(addprefix $(BUILD)/,mapper/cpu/% mapper/cuda/mirror.o hal/sim/% nav/astar.o nav/distance_field.o nav/inflation.o nav/column_evidence.o)
 $(filter $(HOT),$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))

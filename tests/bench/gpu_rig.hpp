@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ inline int failures = 0;
 inline struct RigOptions {
   std::uint32_t update_warps = 0;
   std::string kernels;                       ///< PTX instead of what is carried
+  std::string helper;                        ///< an executable instead of what is carried
   hal::TimeNs patience_ns = 60'000'000'000;  ///< a profiler may take its time
 } rig_options;
 
@@ -48,7 +50,7 @@ struct Rig {
         twin(settings, sensor, {}, map) {
     std::string problem;
     helper = cuda::HelperProcess::start(
-        {.program = cuda::carried_helper(),
+        {.program = rig_options.helper.empty() ? cuda::carried_helper() : std::as_bytes(std::span(rig_options.helper)),
          .kernels = rig_options.kernels.empty() ? cuda::carried_kernels() : rig_options.kernels,
          .sizes = twin.builder().sizes(),
          .column_slope = sensor.column_slope,

@@ -159,7 +159,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("The same drive twice is the same drive") {
+TEST_CASE("The same drive twice is the same drive", "[slow]") {
   World first(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   World second(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   first.run(40);
@@ -170,7 +170,7 @@ TEST_CASE("The same drive twice is the same drive") {
   CHECK(first.navigator.cost().cells == second.navigator.cost().cells);
 }
 
-TEST_CASE("What the camera cannot see is touched slowly or not at all, marked, and driven around") {
+TEST_CASE("What the camera cannot see is touched slowly or not at all, marked, and driven around", "[slow]") {
   World world(room({0, 0, 6, 3}), {0.8, 1.5, 0.0}, {-0.2, -0.2, 6.2, 3.2});
   world.robot.glass().push_back({2.6, 0.9, 2.7, 2.1});
   REQUIRE(world.reaches(MissionState::home, 400));
@@ -179,7 +179,7 @@ TEST_CASE("What the camera cannot see is touched slowly or not at all, marked, a
   CHECK(std::hypot(world.robot.pose().x_m - 0.8, world.robot.pose().y_m - 1.5) < 0.35);
 }
 
-TEST_CASE("Somebody who stands in the only way home for a while delays it and no more") {
+TEST_CASE("Somebody who stands in the only way home for a while delays it and no more", "[slow]") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   while (world.robot.pose().x_m < 5.2 && world.time_s() < 120) world.step();
   world.robot.boxes().push_back({3.85, 1.6, 4.1, 2.0});
@@ -192,7 +192,7 @@ TEST_CASE("Somebody who stands in the only way home for a while delays it and no
   CHECK(world.floor.coverage(inside(two_rooms())) > 0.98);
 }
 
-TEST_CASE("Cut off from where it came from it does not give up its goals, and goes on when the way is free") {
+TEST_CASE("Cut off from where it came from it does not give up its goals, and goes on when the way is free", "[slow]") {
   World world(two_rooms(), {3.2, 1.8, 0.0}, kTwoRooms);
   while (world.robot.pose().x_m < 4.4 && world.time_s() < 120) world.step();
   world.robot.boxes().push_back({3.85, 1.55, 4.1, 2.05});
@@ -285,7 +285,7 @@ TEST_CASE("Wheels that turn in vain end in a call for help, and a freed robot go
   REQUIRE(world.reaches(MissionState::home, 400));
 }
 
-TEST_CASE("Enclosed by touches that are none it forgets them instead of giving up the building") {
+TEST_CASE("Enclosed by touches that are none it forgets them instead of giving up the building", "[slow]") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   world.run(3);
   // Pressed all around while it turns, by nothing: as a line with noise, or a lifted bumper, would say.

@@ -110,7 +110,7 @@ TEST_CASE("a robot whose card reads the columns drives as one that looks at voxe
   CHECK(plain.way.back().rotation_xyzw != plain.way.front().rotation_xyzw);  // it turns to look around
 }
 
-TEST_CASE("the same seed gives the same map and the same way, another seed another", "[nav][robot]") {
+TEST_CASE("the same seed gives the same map and the same way, another seed another", "[nav][robot][slow]") {
   Run first(kRoom, 7);
   Run again(kRoom, 7);
   Run other(kRoom, 8);

@@ -16,14 +16,14 @@ SeenCell at(const Observable& all, double x_m, double y_m) {
 
 }  // namespace
 
-TEST_CASE("every aisle of the warehouse can be driven and its racks be seen") {
+TEST_CASE("every aisle of the warehouse can be driven and its racks be seen", "[slow]") {
   const Observable all = observable(load_world("warehouse").value());
   for (const double y : {-4.2, -1.6, 1.0, 3.6}) CHECK(at(all, -3.7, y) == SeenCell::free);
   CHECK(all.free_count > 50'000);
   CHECK(all.wall_count > 2'000);
 }
 
-TEST_CASE("from the middle of the hall no wall is in range") {
+TEST_CASE("from the middle of the hall no wall is in range", "[slow]") {
   const World world = load_world("hall").value();
   const Observable all = observable(world);
   const PlanarPose& start = world.starts()[0];

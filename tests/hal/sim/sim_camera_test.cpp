@@ -90,7 +90,7 @@ TEST_CASE("the same seed gives the same frames, whatever the threads", "[threads
   }
 }
 
-TEST_CASE("on the drive through the furnished room 1 to 5 % of the pixels have no reading") {
+TEST_CASE("on the drive through the furnished room 1 to 5 % of the pixels have no reading", "[slow]") {
   SimCameraOptions options;  // full size: edges and shadows are counted in pixels
   options.rate_hz = 0.7;
   SimCamera camera = make_camera("furnished_room", options);
