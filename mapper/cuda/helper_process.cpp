@@ -234,7 +234,7 @@ bool HelperProcess::send_blocks(std::uint32_t first) { return ask(HelperCommand:
 
 bool HelperProcess::set_columns(const ColumnTables& tables) {
   control_->column_tables = tables;
-  return ask(HelperCommand::set_columns, 0, kQuestionPatience * patience_ns_);
+  return ask(HelperCommand::set_columns, 0, patience_ns_);  // within a frame, like what follows
 }
 
 bool HelperProcess::read_columns(std::uint32_t first) { return ask(HelperCommand::read_columns, first, patience_ns_); }

@@ -6,41 +6,15 @@
 #include <thread>
 #include <vector>
 
-#include "mapper/cuda/carried.hpp"
 #include "tests/support/fake_card.hpp"
+#include "tests/support/small_helper.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper::cuda;
 
 namespace {
 
-MemorySizes small_sizes() {
-  MemorySizes sizes{};
-  sizes.width_px = 32;
-  sizes.height_px = 24;
-  sizes.box_blocks = 512;
-  sizes.blocks = 256;
-  sizes.planes = 128;
-  sizes.bricks = 128;
-  return sizes;
-}
-
 constexpr hal::TimeNs kLong_ns = 20'000'000'000;
-
-struct Rig {
-  std::vector<float> slopes = std::vector<float>(32, 0.0F);
-  std::vector<std::uint16_t> mask = std::vector<std::uint16_t>(32 * 24, 3000);
-  [[nodiscard]] HelperSetup setup() const {
-    return {.program = carried_helper(),
-            .kernels = carried_kernels(),
-            .sizes = small_sizes(),
-            .room = 16,
-            .column_slope = slopes,
-            .row_slope = std::span(slopes).first(24),
-            .mask = mask,
-            .patience_ns = kLong_ns};
-  }
-};
 
 bool take_in_time(HelperStarter& starter, std::shared_ptr<HelperProcess>& helper, std::string& problem) {
   for (int i = 0; i < 20'000; ++i) {
@@ -54,7 +28,7 @@ bool take_in_time(HelperStarter& starter, std::shared_ptr<HelperProcess>& helper
 
 TEST_CASE("a helper is started elsewhere while the mapper goes on, as often as it is asked for", "[threads]") {
   const test::FakeCard card(test::FakeDriver::works);
-  const Rig rig;
+  const test::SmallSetup rig;
   HelperStarter starter(rig.setup());
   std::shared_ptr<HelperProcess> helper;
   std::string problem;
@@ -79,7 +53,7 @@ TEST_CASE("a helper is started elsewhere while the mapper goes on, as often as i
 
 TEST_CASE("a helper that cannot be started is told of, and one that nobody took ends with its starter", "[threads]") {
   const test::FakeCard card(test::FakeDriver::works);
-  const Rig rig;
+  const test::SmallSetup rig;
   HelperSetup without_program = rig.setup();
   without_program.program = {};
   std::shared_ptr<HelperProcess> helper;

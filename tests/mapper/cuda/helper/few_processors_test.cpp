@@ -7,43 +7,23 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "mapper/cuda/carried.hpp"
 #include "mapper/cuda/helper_process.hpp"
 #include "tests/support/fake_card.hpp"
+#include "tests/support/small_helper.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper::cuda;
 
 namespace {
 
-MemorySizes small_sizes() {
-  MemorySizes sizes{};
-  sizes.width_px = 32;
-  sizes.height_px = 24;
-  sizes.box_blocks = 512;
-  sizes.blocks = 256;
-  sizes.planes = 128;
-  sizes.bricks = 128;
-  return sizes;
-}
-
 /// A helper that was told to keep to so many.
 std::unique_ptr<HelperProcess> started(std::uint32_t processors) {
-  const std::vector<float> slopes(32, 0.0F);
-  const std::vector<std::uint16_t> mask(32 * 24, 3000);
+  const test::SmallSetup small;
+  HelperSetup setup = small.setup();
+  setup.processors = processors;
   std::string problem;
-  auto helper = HelperProcess::start({.program = carried_helper(),
-                                      .kernels = carried_kernels(),
-                                      .sizes = small_sizes(),
-                                      .room = 16,
-                                      .column_slope = slopes,
-                                      .row_slope = std::span(slopes).first(24),
-                                      .mask = mask,
-                                      .processors = processors,
-                                      .patience_ns = 20'000'000'000},
-                                     problem);
+  auto helper = HelperProcess::start(setup, problem);
   REQUIRE(helper != nullptr);
   REQUIRE(helper->wait_started(20'000'000'000) == HelperState::ready);
   return helper;
