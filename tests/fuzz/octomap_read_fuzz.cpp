@@ -15,7 +15,7 @@ using namespace g3d::mapper;
 
 OctomapOptions small_memory() {
   OctomapOptions options;
-  options.memory_limit_bytes = std::size_t{1} << 21;
+  options.memory_limit_bytes = std::size_t{1} << 18;
   return options;
 }
 
