@@ -19,6 +19,13 @@ Result<std::unique_ptr<RecordedPoses>> RecordedPoses::open(const std::string& fo
   return std::make_unique<RecordedPoses>(std::move(poses).value());
 }
 
+std::optional<Pose> RecordedPoses::first() const {
+  for (const StampedPose& pose : poses_) {
+    if (is_valid(pose.T_world_camera)) return normalised(pose.T_world_camera);
+  }
+  return std::nullopt;
+}
+
 PoseStatus RecordedPoses::pose_at(TimeNs stamp_ns, Pose& T_world_camera) const {
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp_ns,
                                       [](const StampedPose& pose, TimeNs stamp) { return pose.stamp_ns < stamp; });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class RecordedPoses final : public PoseSource {
   /// or no unit quaternion.
   [[nodiscard]] PoseStatus pose_at(TimeNs stamp_ns, Pose& T_world_camera) const override;
   [[nodiscard]] std::size_t count() const { return poses_.size(); }
+  /// The first pose that is one; nothing if none is.
+  [[nodiscard]] std::optional<Pose> first() const;
 
  private:
   std::vector<StampedPose> poses_;

@@ -17,6 +17,10 @@ std::size_t count_frames(const CameraPath& path, const SimCameraOptions& options
 
 }  // namespace
 
+TimeNs frame_stamp_ns(const CameraPath& path, std::size_t frame, double rate_hz) {
+  return path.begin_ns() + static_cast<TimeNs>(std::llround(static_cast<double>(frame) * 1e9 / rate_hz));
+}
+
 SimCamera::SimCamera(World world, CameraPath path, const SimCameraOptions& options)
     : renderer_(std::move(world), options.renderer),
       path_(std::move(path)),
@@ -26,8 +30,7 @@ SimCamera::SimCamera(World world, CameraPath path, const SimCameraOptions& optio
 
 CameraRead SimCamera::read(Frame& out) {
   if (next_frame_ == frame_count_) return {CameraEvent::end, {}};
-  const auto offset_ns = static_cast<TimeNs>(std::llround(static_cast<double>(next_frame_) * 1e9 / rate_hz_));
-  const TimeNs stamp_ns = path_.begin_ns() + offset_ns;
+  const TimeNs stamp_ns = frame_stamp_ns(path_, next_frame_, rate_hz_);
   renderer_.render(path_.pose_at(stamp_ns), stamp_ns, first_sequence_ + next_frame_, out);
   ++next_frame_;
   return {CameraEvent::frame, {}};

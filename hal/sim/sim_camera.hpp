@@ -21,7 +21,10 @@ struct SimCameraOptions {
   std::optional<std::size_t> max_frames;  ///< stop early
 };
 
-/// Frame i is taken at path begin + i / rate; there are duration * rate of them, and at least one.
+/// Frame i is taken at path begin + i / rate.
+[[nodiscard]] TimeNs frame_stamp_ns(const CameraPath& path, std::size_t frame, double rate_hz);
+
+/// There are duration * rate of them, and at least one.
 class SimCamera : public DepthCamera {
  public:
   SimCamera(World world, CameraPath path, const SimCameraOptions& options);
