@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/align/aligner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <eigen3/Eigen/Eigenvalues>
+
+#include "mapper/align/point_to_plane.hpp"
+#include "mapper/align/pose_step.hpp"
+
+namespace g3d::mapper::align {
+namespace {
+
+constexpr std::size_t kLeastSamples = 100;
+constexpr double kConverged_m = 1e-4;
+constexpr double kConverged_rad = 5e-5;
+// Samples are weighted relative to a sigma of 1 mm.
+constexpr double kUnitInformation = 1e6;
+// A mean square below this says how well the samples fit, not how well they are known.
+constexpr double kLeastMeanSquare = 0.05;
+// Odometry is doubted if it was corrected by so many of its standard deviations, or the fit costs so many times the
+// usual. Against it, a pose has to fit much better, as well as is usual, and be where odometry cannot have erred to.
+constexpr double kSurprise = 5.0;
+constexpr double kUnusual = 2.0;
+constexpr double kWeakPrior = 1e-4;
+constexpr double kMuchBetter = 0.3;
+constexpr double kAsUsual = 1.5;
+constexpr double kImpossible = 8.0;
+// Both want a camera that is followed closely, and long enough to know what is usual.
+constexpr hal::TimeNs kLongestPeriod_ns = 300'000'000;
+constexpr std::uint64_t kLeastCorrected = 5;
+// Less than this may be a time stamp that is off.
+constexpr double kLeastSlip_m = 0.02;
+constexpr double kLeastSlip_rad = 0.03;
+constexpr double kLeastMatchedAgainst = 0.6;
+// Samples find and lose their surfaces on the way, so that equal fits may differ by a little.
+constexpr double kNoBetter = 1.05;
+constexpr double kFewer = 0.9;
+// Between two frames no robot is pushed farther, and the search would not find it.
+constexpr double kMostShift_m = 0.35;
+constexpr double kMostTurn_rad = 0.35;
+// Of a new frame in the running mean of the costs.
+constexpr double kCostShare = 0.1;
+
+/// Whether the scene says less than odometry in some direction of one 3x3 part of the information.
+bool is_held(const Matrix6& data, const Matrix6& prior, std::size_t part) {
+  Eigen::Matrix3d d;
+  Eigen::Matrix3d p;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      d(static_cast<int>(a), static_cast<int>(b)) = data[6 * (part + a) + part + b];
+      p(static_cast<int>(a), static_cast<int>(b)) = prior[6 * (part + a) + part + b];
+    }
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>((d - p).eval(), Eigen::EigenvaluesOnly).eigenvalues()[0] < 0.0;
+}
+
+/// In a plane, height and tilt are odometry's by right and not for want of a view.
+Matrix6 without_floor(const Matrix6& prior, Motion motion) {
+  Matrix6 freed = prior;
+  if (motion == Motion::planar) freed[7 * 2] = freed[7 * 3] = freed[7 * 4] = -1e18;
+  return freed;
+}
+
+}  // namespace
+
+Aligner::Aligner(const AlignOptions& options, const hal::CameraModel& camera)
+    : options_(options), samples_(camera, options.samples), surfaces_(options.surface) {}
+
+Aligner::Solution Aligner::solve_from(const hal::Pose& start, const hal::Pose& predicted, const Matrix6& prior) const {
+  Solution s;
+  s.pose = start;
+  const auto chosen = static_cast<double>(samples_.chosen().size());
+  for (int step = 0;; ++step) {
+    const NormalSums sums = match(samples_.chosen(), surfaces_, s.pose, options_.kernel_m);
+    s.matched = static_cast<double>(sums.matched) / chosen;
+    s.cost = sums.mean_cost();
+    s.mean_square = sums.mean_square();
+    s.enough = s.matched >= options_.least_matched;
+    const double unit =
+        options_.data_weight * kUnitInformation / std::max(kLeastMeanSquare, s.mean_square * kUnitInformation);
+    s.information = sums.matrix();
+    for (double& x : s.information) x *= unit;
+    if (!s.enough || step == options_.most_steps) return s;
+
+    const Vector6 gradient = sums.gradient_vector();
+    const Vector6 off = difference(s.pose, predicted);
+    Matrix6 a = s.information;
+    Vector6 b{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      b[i] = -unit * gradient[i];
+      for (std::size_t j = 0; j < 6; ++j) {
+        a[6 * i + j] += prior[6 * i + j];
+        b[i] += prior[6 * i + j] * off[j];
+      }
+    }
+    Vector6 x{};
+    if (!solve(a, b, x)) return s;
+    if (shift_of(x) < kConverged_m && turn_of(x) < kConverged_rad) return s;
+    s.pose = moved(s.pose, x);
+  }
+}
+
+/// If odometry is in doubt, two poses are tried in which it hardly counts: from where it has the camera, and from where
+/// the camera was.
+bool Aligner::is_against_odometry(const Solution& with, const hal::Pose& predicted, const Matrix6& prior,
+                                  Solution& without) const {
+  if (!is_followed_ || report_.corrected() < kLeastCorrected) return false;
+  const double surprise = std::sqrt(quadratic(prior, difference(predicted, with.pose)));
+  if (surprise < kSurprise && with.cost < kUnusual * usual_cost_) return false;
+  Matrix6 weak = prior;
+  for (double& x : weak) x *= kWeakPrior;
+  without = solve_from(predicted, predicted, weak);
+  const Solution standing = solve_from(last_pose_, last_pose_, weak);
+  if (standing.matched > kLeastMatchedAgainst && standing.cost < without.cost) without = standing;
+  const Vector6 off = difference(predicted, without.pose);
+  const bool is_slip =
+      (shift_of(off) > kLeastSlip_m || turn_of(off) > kLeastSlip_rad) && std::sqrt(quadratic(prior, off)) > kImpossible;
+  return is_slip && without.matched >= kLeastMatchedAgainst && without.cost < kMuchBetter * with.cost &&
+         without.cost < kAsUsual * usual_cost_;
+}
+
+AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) const {
+  AlignResult result;
+  result.T_world_camera = predicted;
+  const auto chosen = static_cast<double>(samples_.chosen().size());
+  if (samples_.chosen().size() < kLeastSamples) {
+    result.outcome = AlignOutcome::few_samples;
+    return result;
+  }
+  Solution s = solve_from(predicted, predicted, prior);
+  result.matched = s.matched;
+  if (!s.enough) {
+    result.outcome = AlignOutcome::little_overlap;
+    return result;
+  }
+  result.outcome = AlignOutcome::aligned;
+  if (Solution other; is_against_odometry(s, predicted, prior, other)) {
+    s = other;
+    result.outcome = AlignOutcome::against_odometry;
+  }
+  const Vector6 correction = difference(predicted, s.pose);
+  result.matched = s.matched;
+  result.residual_m = std::sqrt(s.mean_square);
+  result.cost = s.cost;
+  result.surprise = std::sqrt(quadratic(prior, correction));
+  if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad) {
+    result.outcome = AlignOutcome::implausible;
+  } else if (const NormalSums there = match(samples_.chosen(), surfaces_, predicted, options_.kernel_m);
+             s.cost > kNoBetter * there.mean_cost() ||
+             s.matched * chosen < kFewer * static_cast<double>(there.matched)) {
+    result.outcome = AlignOutcome::no_better;
+  } else {
+    result.T_world_camera = s.pose;
+    result.correction = correction;
+    const Matrix6 odometry = without_floor(prior, options_.motion);
+    result.holds_shift = is_held(s.information, odometry, 0);
+    result.holds_turn = is_held(s.information, odometry, 3);
+  }
+  return result;
+}
+
+AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera) {
+  samples_.compute(frame.depth.get());
+  AlignResult result;
+  if (!last_odometry_) {
+    result.T_world_camera = T_odometry_camera;
+  } else {
+    const bool is_measured = options_.source == OdometrySource::measured;
+    const hal::Pose step = is_measured ? hal::compose(hal::inverse(*last_odometry_), T_odometry_camera) : hal::Pose{};
+    const hal::Pose predicted = hal::compose(last_pose_, step);
+    std::array<double, 3> step_m{};
+    for (std::size_t i = 0; i < 3; ++i) step_m[i] = predicted.translation_m[i] - last_pose_.translation_m[i];
+    is_followed_ = frame.stamp_ns - last_stamp_ns_ <= kLongestPeriod_ns;
+    const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
+    result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));
+  }
+  report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
+  if (is_corrected(result.outcome)) {
+    usual_cost_ = usual_cost_ == 0.0 ? result.cost : usual_cost_ + kCostShare * (result.cost - usual_cost_);
+  }
+  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera));
+  report_.surface_pieces = surfaces_.piece_count();
+  report_.refused_samples = surfaces_.refused();
+  last_odometry_ = T_odometry_camera;
+  last_pose_ = result.T_world_camera;
+  last_stamp_ns_ = frame.stamp_ns;
+  return result;
+}
+
+}  // namespace g3d::mapper::align

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Corrects odometry frame by frame: each depth image is aligned to the surfaces that earlier ones have shown, starting
+// from odometry and with odometry as a Gaussian prior in every solve. What the scene does not fix stays as odometry has
+// it: along a corridor, in front of a wall. A result that is no better than odometry by its own residuals, or not
+// believable, is not taken, and counted by reason.
+//
+// Where odometry itself is wrong (wheels that spin, a robot that is pushed) its prior holds the pose where it is not;
+// then a second solve leaves the prior out, and is taken if the scene fits so much better that it must be right.
+// Thread: one. Nothing is allocated after construction. The same frames and poses give the same bits everywhere.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "hal/messages.hpp"
+#include "mapper/align/align_report.hpp"
+#include "mapper/align/depth_samples.hpp"
+#include "mapper/align/motion_prior.hpp"
+#include "mapper/align/surface_map.hpp"
+
+namespace g3d::mapper::align {
+
+struct AlignOptions {
+  Motion motion = Motion::planar;
+  OdometrySource source = OdometrySource::measured;
+  OdometryNoise noise;
+  SampleOptions samples;
+  SurfaceOptions surface;
+  /// Neighbouring samples err alike, so that each of thousands counts for little. Over the mean square of the
+  /// residuals, in units of the sensor's noise: a scene that contradicts itself says less.
+  double data_weight = 0.2;
+  float kernel_m = 0.04F;      ///< Geman-McClure: a residual of this size counts a quarter
+  int most_steps = 8;          ///< of Gauss-Newton
+  double least_matched = 0.4;  ///< of the chosen samples
+};
+
+struct AlignResult {
+  AlignOutcome outcome = AlignOutcome::first;
+  hal::Pose T_world_camera;  ///< corrected, or odometry's step from the last one
+  Vector6 correction{};      ///< by how much odometry's step was corrected, world axes
+  double matched = 0.0;      ///< fraction of the chosen samples
+  double residual_m = 0.0;   ///< root mean square, weighted
+  double cost = 0.0;         ///< the same of the kernel, squared
+  double surprise = 0.0;     ///< how many of odometry's standard deviations the correction is
+  bool holds_shift = false;  ///< in some direction odometry says more than the scene does
+  bool holds_turn = false;
+};
+
+class Aligner {
+ public:
+  Aligner(const AlignOptions& options, const hal::CameraModel& camera);
+
+  /// `T_odometry_camera`: the camera in odometry's own frame, which may drift. Stamps ascend.
+  AlignResult align(const hal::Frame& frame, const hal::Pose& T_odometry_camera);
+
+  [[nodiscard]] const AlignOptions& options() const { return options_; }
+  [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
+  /// After the last frame, or from the thread that aligns.
+  [[nodiscard]] const AlignReport& report() const { return report_; }
+
+ private:
+  struct Solution {
+    hal::Pose pose;
+    Matrix6 information{};  ///< of the data alone
+    double cost = 0.0;      ///< mean over the matched samples, of the kernel
+    double matched = 0.0;
+    double mean_square = 0.0;
+    bool enough = false;
+  };
+  [[nodiscard]] Solution solve_from(const hal::Pose& start, const hal::Pose& predicted, const Matrix6& prior) const;
+  [[nodiscard]] AlignResult judge(const hal::Pose& predicted, const Matrix6& prior) const;
+  [[nodiscard]] bool is_against_odometry(const Solution& with, const hal::Pose& predicted, const Matrix6& prior,
+                                         Solution& without) const;
+
+  AlignOptions options_;
+  DepthSamples samples_;
+  SurfaceMap surfaces_;
+  std::optional<hal::Pose> last_odometry_;
+  hal::Pose last_pose_;
+  hal::TimeNs last_stamp_ns_ = 0;
+  bool is_followed_ = false;  ///< the last frame is not long past
+  double usual_cost_ = 0.0;   ///< running mean over the aligned frames
+  AlignReport report_;
+};
+
+}  // namespace g3d::mapper::align

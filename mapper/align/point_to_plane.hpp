@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// One frame's samples against the surfaces: the sums of one Gauss-Newton step of point-to-plane alignment (Chen and
+// Medioni 1992) with a Geman-McClure kernel.
+#pragma once
+
+#include <span>
+
+#include "hal/geometry.hpp"
+#include "mapper/align/depth_samples.hpp"
+#include "mapper/align/normal_equations.hpp"
+#include "mapper/align/surface_map.hpp"
+
+namespace g3d::mapper::align {
+
+/// Residual: how far in front of the surface a sample lies, metres. A sample without a surface, or with one that faces
+/// elsewhere, adds nothing.
+[[nodiscard]] NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surfaces,
+                               const hal::Pose& T_world_camera, float kernel_m);
+
+}  // namespace g3d::mapper::align

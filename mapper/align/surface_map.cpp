@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/align/surface_map.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace g3d::mapper::align {
+namespace {
+
+constexpr int kPlaceParts = 1024;
+constexpr float kNormalParts = 1024.0F;
+// Above, the sums are halved before the next frame adds to them: what was seen long ago counts less, and no sum
+// overflows even if all 19,200 samples of a frame fall into one cell: (2048 + 19200 * 33) * 1024 < 2^31.
+constexpr std::int32_t kMostWeight = 1 << 11;
+constexpr std::int32_t kMostSampleWeight = 32;
+constexpr std::int32_t kLeastWeight = 4;
+// Length of the mean normal: below, the cell holds a corner or a ball.
+constexpr float kLeastCoherence = 0.9F;
+
+struct CellIndex {
+  std::int32_t x, y, z;
+};
+
+/// 20 bits per axis and three for the way it faces; never 0.
+std::uint64_t key_of(const CellIndex& c, int facing) {
+  const auto part = [](std::int32_t k) { return static_cast<std::uint64_t>(k + (1 << 19)) & 0xFFFFFU; };
+  return part(c.x) | part(c.y) << 20 | part(c.z) << 40 | static_cast<std::uint64_t>(facing + 1) << 60;
+}
+
+CellIndex index_of(std::uint64_t key) {
+  const auto part = [&](int shift) { return static_cast<std::int32_t>(key >> shift & 0xFFFFFU) - (1 << 19); };
+  return {part(0), part(20), part(40)};
+}
+
+/// 0..5: +x -x +y -y +z -z.
+int facing_of(const Vector3f& n) {
+  const float ax = std::abs(n[0]);
+  const float ay = std::abs(n[1]);
+  const float az = std::abs(n[2]);
+  if (ax >= ay && ax >= az) return n[0] < 0.0F ? 1 : 0;
+  if (ay >= az) return n[1] < 0.0F ? 3 : 2;
+  return n[2] < 0.0F ? 5 : 4;
+}
+
+std::size_t spread(std::uint64_t key) { return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 24); }
+
+}  // namespace
+
+SurfaceMap::SurfaceMap(const SurfaceOptions& options)
+    : options_(options), mask_(options.slots - 1), table_(options.slots) {
+  assert((options.slots & mask_) == 0);
+  table_.touch(table_.size_bytes());
+}
+
+void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T) {
+  const float per_cell = 1.0F / options_.cell_m;
+  ++frame_;
+  for (const DepthSample& sample : samples) {
+    const Vector3f p = rotated(T, sample.point_m);
+    const Vector3f n = rotated(T, sample.normal);
+    const float q[3] = {(p[0] + T.translation_m[0]) * per_cell, (p[1] + T.translation_m[1]) * per_cell,
+                        (p[2] + T.translation_m[2]) * per_cell};
+    const float low[3] = {std::floor(q[0]), std::floor(q[1]), std::floor(q[2])};
+    const CellIndex index{static_cast<std::int32_t>(low[0]), static_cast<std::int32_t>(low[1]),
+                          static_cast<std::int32_t>(low[2])};
+    const std::uint64_t key = key_of(index, facing_of(n));
+    std::size_t at = spread(key) & mask_;
+    while (table_[at].key != 0 && table_[at].key != key) at = (at + 1) & mask_;
+    Cell& cell = table_[at];
+    if (cell.key == 0) {
+      if (count_ * 4 >= table_.size() * 3) {
+        ++refused_;
+        continue;
+      }
+      cell.key = key;
+      ++count_;
+    }
+    if (cell.frame != frame_) {
+      cell.frame = frame_;
+      if (cell.weight > kMostWeight) halve(cell);
+    }
+    // 1 mm of sigma weighs 32, 5.6 mm and more weigh 1.
+    const auto w = static_cast<std::int32_t>(sample.weight * static_cast<float>(kMostSampleWeight)) + 1;
+    cell.weight += w;
+    for (int i = 0; i < 3; ++i) {
+      cell.place[i] += w * static_cast<std::int32_t>((q[i] - low[i]) * static_cast<float>(kPlaceParts));
+      cell.normal[i] += w * static_cast<std::int32_t>(n[static_cast<std::size_t>(i)] * kNormalParts);
+    }
+  }
+}
+
+void SurfaceMap::halve(Cell& cell) {
+  cell.weight /= 2;
+  for (int i = 0; i < 3; ++i) {
+    cell.place[i] /= 2;
+    cell.normal[i] /= 2;
+  }
+}
+
+const SurfaceMap::Cell* SurfaceMap::look_up(std::uint64_t key) const {
+  std::size_t at = spread(key) & mask_;
+  while (table_[at].key != 0) {
+    if (table_[at].key == key) return &table_[at];
+    at = (at + 1) & mask_;
+  }
+  return nullptr;
+}
+
+std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
+  if (cell.weight < kLeastWeight) return std::nullopt;
+  const float w = static_cast<float>(cell.weight);
+  SurfacePiece piece{};
+  float length = 0.0F;
+  for (std::size_t i = 0; i < 3; ++i) {
+    piece.normal[i] = static_cast<float>(cell.normal[i]) / (w * kNormalParts);
+    length += piece.normal[i] * piece.normal[i];
+  }
+  length = std::sqrt(length);
+  if (length < kLeastCoherence) return std::nullopt;
+  const CellIndex index = index_of(cell.key);
+  const std::int32_t low[3] = {index.x, index.y, index.z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    piece.normal[i] /= length;
+    // A sum of offsets that were cut to whole parts is half a part too low.
+    const float offset = (static_cast<float>(cell.place[i]) / w + 0.5F) / static_cast<float>(kPlaceParts);
+    piece.point_m[i] = (static_cast<float>(low[i]) + offset) * options_.cell_m;
+  }
+  return piece;
+}
+
+std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vector3f& normal) const {
+  const float per_cell = 1.0F / options_.cell_m;
+  CellIndex index{static_cast<std::int32_t>(std::floor(point_m[0] * per_cell)),
+                  static_cast<std::int32_t>(std::floor(point_m[1] * per_cell)),
+                  static_cast<std::int32_t>(std::floor(point_m[2] * per_cell))};
+  const int facing = facing_of(normal);
+  std::int32_t& along = facing < 2 ? index.x : facing < 4 ? index.y : index.z;
+  std::optional<SurfacePiece> best;
+  float least = 1e9F;
+  const std::int32_t centre = along;
+  for (int step = -1; step <= 1; ++step) {
+    along = centre + step;
+    const Cell* cell = look_up(key_of(index, facing));
+    if (cell == nullptr) continue;
+    const auto piece = piece_of(*cell);
+    if (!piece) continue;
+    const float distance = std::abs(piece->normal[0] * (point_m[0] - piece->point_m[0]) +
+                                    piece->normal[1] * (point_m[1] - piece->point_m[1]) +
+                                    piece->normal[2] * (point_m[2] - piece->point_m[2]));
+    if (distance < least) {
+      least = distance;
+      best = piece;
+    }
+  }
+  return best;
+}
+
+void SurfaceMap::clear() {
+  table_.reset();
+  table_.touch(table_.size_bytes());
+  count_ = 0;
+  refused_ = 0;
+}
+
+}  // namespace g3d::mapper::align

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The surfaces of a map as small flat pieces, fine enough to align frames to: a voxel says where a surface is to within
+// its edge, but the mean of a hundred readings in a cell says so to within a millimetre.
+//
+// One piece per cell and per way that it faces (the dominant axis of its normal, with sign), so that the two sides of a
+// thin wall and the two walls of a corner stay apart. Sums are integers, so the order of the samples does not matter.
+// All memory is reserved at construction; a full table takes no new pieces and counts them. Thread: one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "hal/geometry.hpp"
+#include "mapper/align/depth_samples.hpp"
+#include "mapper/pool.hpp"
+
+namespace g3d::mapper::align {
+
+/// Where a surface passes: the plane through `point_m` across `normal`.
+struct SurfacePiece {
+  Vector3f point_m;
+  Vector3f normal;  ///< unit, towards free space
+};
+
+struct SurfaceOptions {
+  float cell_m = 0.08F;
+  std::size_t slots = std::size_t{1} << 19;  ///< a power of two; 40 bytes each. Three quarters can be used
+};
+
+class SurfaceMap {
+ public:
+  explicit SurfaceMap(const SurfaceOptions& options = {});
+
+  /// Adds samples of one frame.
+  void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera);
+  /// The piece nearest to a point in the cell of the point and in those before and behind it, facing like `normal`.
+  [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal) const;
+  void clear();
+
+  [[nodiscard]] std::size_t piece_count() const { return count_; }
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+  [[nodiscard]] const SurfaceOptions& options() const { return options_; }
+
+  /// Calls `visit(const SurfacePiece&, float weight)` for every piece that is sure enough, in no order that matters.
+  template <typename Visit>
+  void for_each(Visit visit) const {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      if (table_[i].key == 0) continue;
+      if (const auto piece = piece_of(table_[i])) visit(*piece, static_cast<float>(table_[i].weight));
+    }
+  }
+
+ private:
+  struct Cell {
+    std::uint64_t key = 0;    ///< 0: nothing here
+    std::uint32_t frame = 0;  ///< the last one that added to it
+    std::int32_t weight = 0;
+    std::int32_t place[3] = {};   ///< sums of weight * offset from the cell's low corner, in 1/1024 of a cell
+    std::int32_t normal[3] = {};  ///< sums of weight * normal * 1024
+  };
+
+  static void halve(Cell& cell);
+  [[nodiscard]] const Cell* look_up(std::uint64_t key) const;
+  [[nodiscard]] std::optional<SurfacePiece> piece_of(const Cell& cell) const;
+
+  SurfaceOptions options_;
+  std::size_t mask_;
+  ReservedArray<Cell> table_;
+  std::size_t count_ = 0;
+  std::uint32_t frame_ = 0;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace g3d::mapper::align

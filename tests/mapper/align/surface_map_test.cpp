@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/align/surface_map.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+#include <vector>
+
+#include "hal/sim/seeded_random.hpp"
+
+using namespace g3d;
+using namespace g3d::mapper::align;
+
+namespace {
+
+/// Samples of the wall x = x_m, one metre square, that faces `side` along x.
+std::vector<DepthSample> wall(float x_m, float side, int count, double sigma_m, std::uint64_t seed) {
+  hal::SeededRandom random(seed);
+  std::vector<DepthSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const auto y = static_cast<float>(random.uniform());
+    const auto z = static_cast<float>(random.uniform());
+    samples.push_back({{x_m + static_cast<float>(sigma_m * random.gaussian()), y, z}, {side, 0, 0}, 0.1F});
+  }
+  return samples;
+}
+
+SurfaceOptions small() { return {.cell_m = 0.05F, .slots = 1U << 14}; }
+
+}  // namespace
+
+TEST_CASE("a piece lies on the wall to a fraction of its cell", "[mapper][align]") {
+  SurfaceMap map(small());
+  for (int frame = 0; frame < 20; ++frame) {
+    map.add(wall(2.013F, -1.0F, 4000, 0.004, static_cast<std::uint64_t>(frame)), {});
+  }
+  std::size_t found = 0;
+  for (float y = 0.1F; y < 0.9F; y += 0.03F) {
+    const auto piece = map.find({2.03F, y, 0.5F}, {-1, 0, 0});
+    REQUIRE(piece);
+    CHECK(std::abs(piece->point_m[0] - 2.013F) < 0.001F);
+    CHECK(piece->normal[0] < -0.999F);
+    ++found;
+  }
+  CHECK(found > 20);
+}
+
+TEST_CASE("a point finds the surface one cell before or behind it, and no farther", "[mapper][align]") {
+  SurfaceMap map(small());
+  map.add(wall(2.013F, -1.0F, 4000, 0.0, 1), {});
+  CHECK(map.find({2.06F, 0.5F, 0.5F}, {-1, 0, 0}));
+  CHECK(map.find({1.96F, 0.5F, 0.5F}, {-1, 0, 0}));
+  CHECK_FALSE(map.find({2.12F, 0.5F, 0.5F}, {-1, 0, 0}));
+  CHECK_FALSE(map.find({1.90F, 0.5F, 0.5F}, {-1, 0, 0}));
+  CHECK_FALSE(map.find({2.013F, 2.5F, 0.5F}, {-1, 0, 0}));
+}
+
+TEST_CASE("the two sides of a wall thinner than a cell stay apart", "[mapper][align]") {
+  SurfaceMap map(small());
+  map.add(wall(2.01F, -1.0F, 40000, 0.002, 1), {});
+  map.add(wall(2.03F, 1.0F, 40000, 0.002, 2), {});
+  const auto front = map.find({2.02F, 0.5F, 0.5F}, {-1, 0, 0});
+  const auto back = map.find({2.02F, 0.5F, 0.5F}, {1, 0, 0});
+  REQUIRE(front);
+  REQUIRE(back);
+  CHECK(std::abs(front->point_m[0] - 2.01F) < 0.001F);
+  CHECK(std::abs(back->point_m[0] - 2.03F) < 0.001F);
+}
+
+TEST_CASE("the order of a frame's samples does not matter, to the last bit", "[mapper][align]") {
+  SurfaceMap a(small());
+  SurfaceMap b(small());
+  std::mt19937 random(7);
+  for (int frame = 0; frame < 200; ++frame) {  // enough for sums to be halved
+    std::vector<DepthSample> samples = wall(2.0F, -1.0F, 2000, 0.02, static_cast<std::uint64_t>(frame));
+    a.add(samples, {});
+    std::shuffle(samples.begin(), samples.end(), random);
+    b.add(samples, {});
+  }
+  CHECK(a.piece_count() == b.piece_count());
+  for (float y = 0.0F; y < 1.0F; y += 0.01F) {
+    const auto p = a.find({2.0F, y, 0.5F}, {-1, 0, 0});
+    const auto q = b.find({2.0F, y, 0.5F}, {-1, 0, 0});
+    REQUIRE(p.has_value() == q.has_value());
+    if (!p) continue;
+    CHECK(p->point_m == q->point_m);
+    CHECK(p->normal == q->normal);
+  }
+}
+
+TEST_CASE("what was seen lately counts more than what was seen long ago", "[mapper][align]") {
+  SurfaceMap map(small());
+  for (int frame = 0; frame < 50; ++frame)
+    map.add(wall(2.012F, -1.0F, 20000, 0.0, static_cast<std::uint64_t>(frame)), {});
+  for (int frame = 0; frame < 50; ++frame)
+    map.add(wall(2.032F, -1.0F, 20000, 0.0, static_cast<std::uint64_t>(frame)), {});
+  const auto piece = map.find({2.02F, 0.5F, 0.5F}, {-1, 0, 0});
+  REQUIRE(piece);
+  CHECK(std::abs(piece->point_m[0] - 2.032F) < 0.002F);
+}
+
+TEST_CASE("a full table takes no new pieces, counts what it refused and keeps what it has", "[mapper][align]") {
+  SurfaceMap map({.cell_m = 0.05F, .slots = 64});
+  for (int frame = 0; frame < 5; ++frame) map.add(wall(2.012F, -1.0F, 4000, 0.0, 1), {});
+  CHECK(map.piece_count() == 48);
+  CHECK(map.refused() > 1000);
+  std::size_t pieces = 0;
+  map.for_each([&](const SurfacePiece& piece, float weight) {
+    CHECK(std::abs(piece.point_m[0] - 2.012F) < 0.001F);
+    CHECK(weight > 0.0F);
+    ++pieces;
+  });
+  CHECK(pieces > 40);
+  map.clear();
+  CHECK(map.piece_count() == 0);
+  CHECK_FALSE(map.find({2.012F, 0.5F, 0.5F}, {-1, 0, 0}));
+}
