@@ -14,6 +14,7 @@ constexpr const char* kReplayExamples = R"(
 Examples:
   g3dmap replay rgbd_dataset_freiburg1_rpy --out out
   g3dmap replay walk --poses odometry.tum --resolution 0.02 --threads 2 --out out
+  g3dmap replay walk --odometry aligned --motion free --out out        poses that drift, from a hand-held camera
   g3dmap replay walk --rate 1 --out out          as fast as it was recorded; late frames are dropped and counted
 
 LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt. Without
@@ -22,8 +23,10 @@ poses they are computed from the base's bytes in kobuki.bin, with the camera mou
 constexpr const char* kSimExamples = R"(
 Examples:
   g3dmap sim --out out                                     a flight through the built-in furnished room
+  g3dmap sim --drift 1 --odometry aligned --out out        the same flight with odometry that drifts, corrected
   g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
+  g3dmap sim --world house --robots 1 --drift 1 --odometry aligned --out out
   g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
   g3dmap sim --world floor.yaml --crop 0,0,30,20 --robots 1 --out out   a piece of a large one)";
 
@@ -69,6 +72,13 @@ Example:
 
 LOG is a recording of a plain wall that fills the view.)";
 
+constexpr const char* kDriftExamples = R"(
+Example:
+  g3dmap drift walk --seed 3 --out odometry.tum
+  g3dmap replay walk --poses odometry.tum --odometry aligned --out out
+
+POSES is a recording, or a file of poses in TUM's format.)";
+
 void add_staging_options(CLI::App& command, StagingOptions& staging) {
   command.add_option("--control", staging.control, "Socket for `g3dmap tell`; default: control in the folder of --out");
   command.add_option("--at", staging.at, "SECONDS:WORD, such as 20:pause; may be given several times")
@@ -96,6 +106,19 @@ void add_mapper_option(CLI::App& command, MappingOptions& options) {
       ->capture_default_str();
 }
 
+void add_odometry_options(CLI::App& command, MappingOptions& options) {
+  command
+      .add_option(
+          "--odometry", options.odometry,
+          "given: poses as they come; aligned: each corrected by what its frame shows; none: by the frames alone")
+      ->check(CLI::IsMember({"given", "aligned", "none"}))
+      ->capture_default_str();
+  command
+      .add_option("--motion", options.motion,
+                  "How the camera may move when it is aligned: planar on a robot, free in a hand")
+      ->check(CLI::IsMember({"planar", "free"}));
+}
+
 void add_live_options(CLI::App& command, LiveOptions& live) {
   MappingOptions& options = live.mapping;
   add_mapper_option(command, options);
@@ -111,6 +134,9 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   command.add_option("--drift", live.drift, "How wrong the simulated odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   command.add_option("--area", live.area, "Explore only X0,Y0,X1,Y1 in metres");
+  command.add_option("--odometry", options.odometry, "given: odometry is believed; aligned: corrected by what is seen")
+      ->check(CLI::IsMember({"given", "aligned"}))
+      ->capture_default_str();
   add_staging_options(command, live.staging);
   add_patience(command, options);
   command.add_flag("--record", live.record, "Write what the base says to kobuki.bin in the folder of --out");
@@ -180,6 +206,7 @@ int parse_and_run(int argc, char** argv) {
   replay_command->add_option("LOG", replay.log_dir, "Folder of the recording")->required();
   replay_command->add_option("--poses", replay.poses_path, "Poses T_world_camera, TUM format");
   add_mapping_options(*replay_command, replay.mapping);
+  add_odometry_options(*replay_command, replay.mapping);
 
   SimOptions sim;
   CLI::App* sim_command =
@@ -200,7 +227,7 @@ int parse_and_run(int argc, char** argv) {
       ->add_option("--robots", sim.robots, "Robots that explore the world by themselves, instead of a camera path")
       ->check(CLI::Range(1, 1));
   sim_command->add_option("--camera", sim.camera, "The robots' cameras as WIDTHxHEIGHT@HZ, such as 160x120@10");
-  sim_command->add_option("--drift", sim.drift, "How wrong the robots' odometry is: 0 exact, 1 like a real base")
+  sim_command->add_option("--drift", sim.drift, "How wrong odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   sim_command->add_option("--area", sim.area, "Explore only X0,Y0,X1,Y1 in metres");
   sim_command->add_option("--crop", sim.crop,
@@ -209,6 +236,7 @@ int parse_and_run(int argc, char** argv) {
   add_staging_options(*sim_command, sim.staging);
   add_patience(*sim_command, sim.mapping);
   add_mapping_options(*sim_command, sim.mapping);
+  add_odometry_options(*sim_command, sim.mapping);
 
   LiveOptions live;
   CLI::App* run_command =
@@ -245,6 +273,15 @@ int parse_and_run(int argc, char** argv) {
   mask_command->add_option("LOG", mask.log_dir, "Folder of the recording")->required();
   mask_command->add_option("--out", mask.out, "16-bit PNG to write")->required();
 
+  DriftOptions drift;
+  CLI::App* drift_command = add_command(app, "drift", "Make poses drift as odometry does", kDriftExamples);
+  drift_command->add_option("POSES", drift.poses, "Recording, or file of poses")->required();
+  drift_command->add_option("--motion", drift.motion, "planar: a robot on wheels; free: a hand-held camera")
+      ->check(CLI::IsMember({"planar", "free"}))
+      ->capture_default_str();
+  drift_command->add_option("--seed", drift.seed, "Which drift")->capture_default_str();
+  drift_command->add_option("--out", drift.out, "File of poses to write")->required();
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -258,6 +295,7 @@ int parse_and_run(int argc, char** argv) {
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);
+  if (*drift_command) return run_drift(drift);
   return run_mask(mask);
 }
 

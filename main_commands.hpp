@@ -30,7 +30,9 @@ struct MappingOptions {
   double patience_s = 30.0;        ///< a robot's files that the disk refuses are tried again for so long
   std::string mapper = "auto";
   std::uint64_t seed = 1;
-  double rate = 0.0;  ///< 0: lockstep
+  double rate = 0.0;                  ///< 0: lockstep
+  std::string odometry = "given";     ///< given, aligned or none
+  std::optional<std::string> motion;  ///< planar or free; none: as the command has it
   bool no_colour = false;
   bool quiet = false;
   bool json = false;
@@ -104,6 +106,13 @@ struct MaskOptions {
   std::string out;
 };
 
+struct DriftOptions {
+  std::string poses;  ///< TUM file, or folder of a recording
+  std::string motion = "planar";
+  std::uint64_t seed = 1;
+  std::string out;
+};
+
 int run_replay(const ReplayOptions& options, const std::string& command_line);
 int run_sim(const SimOptions& options, const std::string& command_line);
 /// `sim --robots N`.
@@ -115,5 +124,6 @@ int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);
 int run_mask(const MaskOptions& options);
+int run_drift(const DriftOptions& options);
 
 }  // namespace g3d

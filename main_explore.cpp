@@ -77,6 +77,8 @@ std::string contradiction(const SimOptions& options) {
     return "--window and --checkpoint do not go with --robots yet; leave them out";
   }
   if (!mapping.mask_path.empty()) return "--mask does not go with --robots yet; leave it out";
+  if (mapping.odometry == "none") return "--odometry none: a robot's base measures motion; take given or aligned";
+  if (mapping.motion == "free") return "--motion free is for hand-held cameras, not for --robots";
   if (!mapping.footprint.empty()) return "--footprint: robots take their own from the board; leave it out";
   return {};
 }
@@ -281,6 +283,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   mapper::RunReport report;
   report.frames = robot.frames();
   report.stages = {{"integrate", robot.integrate_times()}, {"navigate", robot.navigate_times()}};
+  if (robot.placing().aligner() != nullptr) report.stages.push_back({"align", robot.align_times()});
   report.resolution_m = board.map_resolution_m;
   const mapper::MapCounts counts = robot.mapper().map().counts();
   report.occupied = counts.occupied;
@@ -290,6 +293,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   report.file_bytes = outputs.map_file_bytes;
   report.hash = mapper::map_hash(robot.mapper().map());
   report_mapper(robot.mapper(), report);
+  report_alignment(robot.placing().aligner(), mapping, report);
   report.command = command_line;
   report.version = mapper::version();
   report.seed = mapping.seed;

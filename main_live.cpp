@@ -66,6 +66,7 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   report.refused_blocks = robot.refused_blocks();
   report.hash = mapper::map_hash(robot.mapper().map());
   report_mapper(robot.mapper(), report);
+  report_alignment(robot.placing().aligner(), options.mapping, report);
   report.command = command_line;
   report.version = mapper::version();
   report.seed = options.mapping.seed;

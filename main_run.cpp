@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `g3dmap replay` and `g3dmap sim`: builds a camera, its poses, a mapper and a writer, joins them and lets them run.
+// `g3dmap replay`, and what it shares with `g3dmap sim`: a camera, its poses, a mapper and a writer, joined and let
+// run.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,12 +16,12 @@
 #include "hal/replay/recorded_odometry.hpp"
 #include "hal/replay/recorded_poses.hpp"
 #include "hal/replay/replay_camera.hpp"
+#include "hal/replay/standing_pose.hpp"
 #include "hal/replay/trajectory_file.hpp"
-#include "hal/sim/builtin_worlds.hpp"
-#include "hal/sim/load_world.hpp"
-#include "hal/sim/sim_camera.hpp"
 #include "main_commands.hpp"
+#include "main_run.hpp"
 #include "main_setup.hpp"
+#include "mapper/align/aligner.hpp"
 #include "mapper/files/checkpoint.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
@@ -36,9 +37,6 @@
 
 namespace g3d {
 namespace {
-
-// Below, the recording shows no wall that fills the view.
-constexpr double kLeastMaskCoverage = 0.5;
 
 // The first Ctrl-C lets the frames under way finish and saves the map, the second one ends the program at once.
 std::atomic<mapper::Pipeline*> running_pipeline{nullptr};
@@ -68,12 +66,6 @@ int bad_usage(const std::string& text) {
   (void)fail(text);
   return kExitBadUsage;
 }
-
-struct Source {
-  hal::DepthCamera& camera;
-  const hal::PoseSource& poses;
-  std::vector<std::string> notes;
-};
 
 hal::Result<void> make_folder(const std::string& path) {
   std::error_code code;
@@ -153,7 +145,8 @@ std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
   return note;
 }
 
-/// What every mapping command does once it has a camera and poses.
+}  // namespace
+
 int map_source(Source source, const board::Board& board, const MappingOptions& options,
                const std::string& command_line) {
   if (options.checkpoint_s > 0.0 && board.map_window_radius_m > 0.0) {
@@ -176,15 +169,27 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   mapper::Mapper mapper(config, source.camera.model(), mask);
   if (const auto missing = missing_card(mapper, options)) return fail(*missing);
   hal::RealClock clock;
+  std::unique_ptr<mapper::align::Aligner> aligner;
+  if (const auto align = align_options(options)) {
+    aligner = std::make_unique<mapper::align::Aligner>(*align, source.camera.model());
+  }
+  const std::string odometry_path = options.out_dir + "/odometry.tum";
+  std::optional<hal::TrajectoryWriter> odometry;
+  if (options.odometry == "aligned") {
+    auto created = hal::TrajectoryWriter::create(odometry_path);
+    if (!created) return fail(created.error().text);
+    odometry.emplace(std::move(created).value());
+  }
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
-  mapper::RunSink sink(trajectory.value(), bar, clock);
+  mapper::RunSink sink(trajectory.value(), bar, clock, odometry ? &*odometry : nullptr);
   auto made_window = make_window(mapper, source.camera.model(), board, options);
   if (!made_window) return fail(made_window.error().text);
   const std::unique_ptr<mapper::RollingWindow> window = std::move(made_window).value();
   const auto footprint = start_footprint(board, options);
   if (!footprint) return bad_usage(footprint.error().text);
-  mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock,
-                            {.rate = options.rate, .window = window.get(), .footprint = footprint.value()});
+  mapper::Pipeline pipeline(
+      source.camera, source.poses, mapper, sink, clock,
+      {.rate = options.rate, .window = window.get(), .footprint = footprint.value(), .aligner = aligner.get()});
   catch_stop_signals(pipeline);
   std::unique_ptr<mapper::Checkpoint> checkpoint;
   if (options.checkpoint_s > 0.0) {
@@ -218,6 +223,7 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   report.memory_bytes = memory_bytes;
   report.paging = paging;
   report_mapper(mapper, report);
+  report_alignment(aligner.get(), options, report);
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
   if (window != nullptr && !window->first_error().empty()) report.notes.push_back(window->first_error());
   if (!is_all_in_memory) {
@@ -245,6 +251,9 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   if (const auto bytes = std::filesystem::file_size(trajectory_path, no_size); !no_size) {
     outputs.files.push_back({trajectory_path, "the camera's way", bytes});
   }
+  if (const auto bytes = std::filesystem::file_size(odometry_path, no_size); odometry && !no_size) {
+    outputs.files.push_back({odometry_path, "the same way as odometry had it", bytes});
+  }
   const std::string json = to_json(report);
   const std::string report_path = options.out_dir + "/report.json";
   if (const auto written = hal::write_file_atomic(report_path, json); !written) {
@@ -265,6 +274,8 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   }
   return failures.empty() ? kExitDone : kExitFailed;
 }
+
+namespace {
 
 /// The recording's own poses; where it has none, those that the odometry of its base gives.
 hal::Result<std::unique_ptr<hal::RecordedPoses>> replay_poses(const ReplayOptions& options, const board::Board& board,
@@ -288,6 +299,22 @@ hal::Result<std::unique_ptr<hal::RecordedPoses>> replay_poses(const ReplayOption
   return std::make_unique<hal::RecordedPoses>(std::move(odometry.poses));
 }
 
+/// Without odometry only the start is known: from the recording's poses if it has some, else as the board's camera
+/// stands.
+hal::Result<std::unique_ptr<hal::PoseSource>> poses_or_start(const ReplayOptions& options, const board::Board& board,
+                                                             std::vector<std::string>& notes) {
+  auto recorded = replay_poses(options, board, notes);
+  if (options.mapping.odometry != "none") {
+    if (!recorded) return recorded.error();
+    return std::unique_ptr<hal::PoseSource>(std::move(recorded).value());
+  }
+  if (!recorded && !options.poses_path.empty()) return recorded.error();
+  std::optional<hal::Pose> start;
+  if (recorded) start = recorded.value()->first();
+  if (!start) notes.emplace_back("no pose is known: the map stands as if the first frame came from the board's camera");
+  return std::unique_ptr<hal::PoseSource>(std::make_unique<hal::StandingPose>(start.value_or(mount_pose(board))));
+}
+
 }  // namespace
 
 int run_replay(const ReplayOptions& options, const std::string& command_line) {
@@ -296,77 +323,12 @@ int run_replay(const ReplayOptions& options, const std::string& command_line) {
   auto camera = hal::ReplayCamera::open(options.log_dir);
   if (!camera) return fail(camera.error().text);
   std::vector<std::string> notes = camera.value()->warnings();
-  auto poses = replay_poses(options, board.value(), notes);
+  auto poses = poses_or_start(options, board.value(), notes);
   if (!poses) return fail(poses.error().text);
   if (!options.mapping.quiet) {
     for (const std::string& warning : camera.value()->warnings()) fmt::print(stderr, "g3dmap: warning: {}\n", warning);
   }
   return map_source({*camera.value(), *poses.value(), std::move(notes)}, board.value(), options.mapping, command_line);
-}
-
-int run_sim(const SimOptions& options, const std::string& command_line) {
-  if (!options.camera.empty() || !options.area.empty() || options.drift > 0.0) {
-    return bad_usage("--camera, --area and --drift are of robots: add --robots 1");
-  }
-  const StagingOptions& staging = options.staging;
-  if (!staging.control.empty() || !staging.at.empty() || !staging.fail.empty() || staging.battery_min > 0.0) {
-    return bad_usage("--control, --at, --fail and --battery are of robots: add --robots 1");
-  }
-  const auto loaded_board = effective_board(options.mapping);
-  if (!loaded_board) return fail(loaded_board.error().text);
-  const board::Board& board = loaded_board.value();
-  const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
-  const auto crop = choose_rectangle("--crop", options.crop);
-  if (!crop) return bad_usage(crop.error().text);
-  auto world = hal::load_world(world_name, crop.value());
-  if (!world)
-    return world.error().reason == hal::Reason::bad_usage ? bad_usage(world.error().text) : fail(world.error().text);
-  if (options.camera_path == "builtin" && hal::builtin_path(world_name).empty()) {
-    fmt::print(stderr, "g3dmap: --world {} is a file, so its drive must be given: --camera-path FILE\n", options.world);
-    return kExitBadUsage;
-  }
-  const std::string path_name = options.camera_path == "builtin" ? world_name : options.camera_path;
-  auto path = hal::load_camera_path(path_name);
-  if (!path) return fail(path.error().text);
-  path = path.value().laps(options.laps);
-
-  hal::SimCameraOptions camera_options;
-  camera_options.renderer.noise = !options.no_noise;
-  camera_options.renderer.seed = options.mapping.seed;
-  camera_options.renderer.threads = board.map_threads;
-  camera_options.renderer.camera = camera_model(board);
-  camera_options.rate_hz = options.frame_rate_hz.value_or(board.camera_rate_hz);
-  if (options.duration_s > 0.0) {
-    camera_options.max_frames = static_cast<std::size_t>(std::max(1.0, options.duration_s * camera_options.rate_hz));
-  }
-  hal::SimPoses poses(path.value());
-  hal::SimCamera camera(std::move(world).value(), std::move(path).value(), camera_options);
-  return map_source({camera, poses, {}}, board, options.mapping, command_line);
-}
-
-int run_mask(const MaskOptions& options) {
-  auto camera = hal::ReplayCamera::open(options.log_dir);
-  if (!camera) return fail(camera.error().text);
-  const hal::CameraModel& model = camera.value()->model();
-  mapper::ScanMaskBuilder builder(model);
-  hal::Frame frame = hal::make_frame(model);
-  std::size_t frames = 0;
-  for (auto read = camera.value()->read(frame); read.event != hal::CameraEvent::end;
-       read = camera.value()->read(frame)) {
-    if (read.event != hal::CameraEvent::frame) continue;
-    builder.add(frame);
-    ++frames;
-  }
-  if (builder.coverage() < kLeastMaskCoverage) {
-    return fail(
-        fmt::format("{}: only {:.0f} % of the pixels ever gave a reading in {} frames; record a plain wall that "
-                    "fills the view, about 3 m away",
-                    options.log_dir, 100.0 * builder.coverage(), frames));
-  }
-  if (const auto saved = mapper::save_scan_mask(options.out, model, builder.mask()); !saved)
-    return fail(saved.error().text);
-  fmt::print("{}  from {} frames, {:.1f} % of the pixels may carve\n", options.out, frames, 100.0 * builder.coverage());
-  return kExitDone;
 }
 
 }  // namespace g3d

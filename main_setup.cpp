@@ -76,6 +76,21 @@ void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report) {
   report.notes.push_back(std::move(note));
 }
 
+std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& options) {
+  if (options.odometry == "given") return std::nullopt;
+  mapper::align::AlignOptions align;
+  align.motion = *mapper::align::motion_from_string(options.motion.value_or("planar"));
+  align.source =
+      options.odometry == "none" ? mapper::align::OdometrySource::none : mapper::align::OdometrySource::measured;
+  return align;
+}
+
+void report_alignment(const mapper::align::Aligner* aligner, const MappingOptions& options, mapper::RunReport& report) {
+  if (aligner == nullptr) return;
+  report.alignment = mapper::AlignmentReport{*mapper::align::odometry_mode_from_string(options.odometry),
+                                             aligner->options().motion, aligner->report()};
+}
+
 hal::CameraModel camera_model(const board::Board& board) {
   return {.width_px = board.camera_width_px,
           .height_px = board.camera_height_px,

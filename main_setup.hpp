@@ -11,6 +11,7 @@
 #include "hal/result.hpp"
 #include "hal/sim/map_world.hpp"
 #include "main_commands.hpp"
+#include "mapper/align/aligner.hpp"
 #include "mapper/mapper.hpp"
 #include "mapper/pipeline.hpp"
 #include "mapper/report.hpp"
@@ -30,6 +31,10 @@ void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report);
 /// `text`: "X0,Y0,X1,Y1" in metres, or empty for none. `option` is what errors (bad_usage) call it.
 [[nodiscard]] hal::Result<std::optional<hal::FloorRectangle>> choose_rectangle(std::string_view option,
                                                                                const std::string& text);
+/// How poses are corrected; none if they are taken as given.
+[[nodiscard]] std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& options);
+/// What came of it, for the report; nothing if `aligner` is nullptr.
+void report_alignment(const mapper::align::Aligner* aligner, const MappingOptions& options, mapper::RunReport& report);
 /// None if the command line asks for none. The error is one of usage.
 [[nodiscard]] hal::Result<std::optional<mapper::StartFootprint>> start_footprint(const board::Board& board,
                                                                                  const MappingOptions& options);

@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "mapper/align/aligner.hpp"
 #include "mapper/rolling_window.hpp"
 
 namespace g3d::mapper {
@@ -29,6 +30,8 @@ const char* to_string(Stage stage) {
       return "read";
     case Stage::pose:
       return "pose";
+    case Stage::align:
+      return "align";
     case Stage::integrate:
       return "integrate";
     case Stage::write:
@@ -141,11 +144,17 @@ void Pipeline::pose_loop() {
   std::uint32_t index = 0;
   while (pose_parking_.wait([&] { return to_pose_.try_pop(index); })) {
     const hal::TimeNs start_ns = clock_.now();
-    PosedMessage message{{index, {}}, false};
+    PosedMessage message{{index, {}}, {}, false};
     const auto reason = find_pose(pool_[index].stamp_ns, message.posed.T_world_camera);
     message.usable = !reason.has_value();
     if (reason) drop(*reason);
     add_time(Stage::pose, start_ns);
+    message.T_odometry_camera = message.posed.T_world_camera;
+    if (message.usable && config_.aligner != nullptr) {
+      const hal::TimeNs align_start_ns = clock_.now();
+      message.posed.T_world_camera = config_.aligner->align(pool_[index], message.T_odometry_camera).T_world_camera;
+      add_time(Stage::align, align_start_ns);
+    }
     (void)to_mapper_.try_push(message);  // has room for every frame of the pool
     mapper_parking_.wake();
   }
@@ -179,7 +188,7 @@ void Pipeline::mapper_loop() {
 void Pipeline::integrate(const PosedMessage& message) {
   const hal::Frame& frame = pool_[message.posed.frame_index];
   const hal::TimeNs start_ns = clock_.now();
-  MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, {}};
+  MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, message.T_odometry_camera, {}};
   if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
   if (config_.footprint && !std::exchange(footprint_freed_, true)) {
     const hal::Pose T_world_base = hal::compose(mapped.T_world_camera, hal::inverse(config_.footprint->T_base_camera));

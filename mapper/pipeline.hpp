@@ -2,6 +2,7 @@
 // From the camera to the map, one thread per step, joined by rings:
 //
 //   camera thread ──index──▶ pose thread ──posed index──▶ mapper thread ──what was mapped──▶ writer thread
+//                            (aligns it, if asked)
 //        ▲                                                      │
 //        └───────────────────── free frames ────────────────────┘
 //
@@ -29,11 +30,15 @@
 namespace g3d::mapper {
 
 class RollingWindow;
+namespace align {
+class Aligner;
+}
 
 /// One frame that is in the map now.
 struct MappedFrame {
   hal::TimeNs stamp_ns = 0;
   hal::Pose T_world_camera;
+  hal::Pose T_odometry_camera;  ///< as the source gave it; the same if nothing aligns
   FrameReport report;
 };
 
@@ -65,11 +70,13 @@ struct PipelineConfig {
   int frames_under_way = 4;         ///< 1..64, besides the one that the camera is filling
   RollingWindow* window = nullptr;  ///< if the map may be larger than memory; its lockstep must be ours
   std::optional<StartFootprint> footprint = std::nullopt;
+  align::Aligner* aligner = nullptr;  ///< corrects every pose before its frame is integrated, in the pose thread
 };
 
 enum class Stage : std::uint8_t {
   read,        ///< camera: file or driver -> frame
   pose,        ///< stamp -> pose
+  align,       ///< pose -> pose that fits what was seen before
   integrate,   ///< posed frame -> map updated
   write,       ///< the sink
   end_to_end,  ///< frame complete -> map updated, waiting included
@@ -101,6 +108,7 @@ class Pipeline {
  private:
   struct PosedMessage {
     hal::PosedFrame posed;
+    hal::Pose T_odometry_camera;
     bool usable = false;  ///< false: counted as dropped, on its way back to the pool
   };
 

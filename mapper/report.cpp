@@ -10,6 +10,7 @@ namespace g3d::mapper {
 namespace {
 
 double rounded_us(double us) { return std::round(us * 10.0) / 10.0; }
+double rounded_um(double value) { return std::round(value * 1e6) / 1e6; }
 double rounded_mm(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 
 void write_frames(JsonWriter& json, const FrameCounts& frames) {
@@ -43,6 +44,24 @@ void write_paging(JsonWriter& json, const PagingReport& paging) {
   json.member("page_file_bytes", paging.page_file_bytes).end_object();
 }
 
+void write_alignment(JsonWriter& json, const AlignmentReport& alignment) {
+  const align::AlignReport& counts = alignment.counts;
+  json.key("alignment").begin_object();
+  json.member("odometry", to_string(alignment.odometry)).member("motion", to_string(alignment.motion));
+  json.key("frames").begin_object();
+  for (std::size_t i = 0; i < align::kAlignOutcomeCount; ++i) {
+    json.member(to_string(static_cast<align::AlignOutcome>(i)), counts.frames[i]);
+  }
+  json.end_object();
+  json.member("held_shift_frames", counts.held_shift_frames).member("held_turn_frames", counts.held_turn_frames);
+  json.member("correction_max_m", rounded_um(counts.largest_shift_m))
+      .member("correction_rms_m", rounded_um(counts.shift_rms_m()));
+  json.member("correction_max_rad", rounded_um(counts.largest_turn_rad))
+      .member("correction_rms_rad", rounded_um(counts.turn_rms_rad()));
+  json.member("surface_pieces", counts.surface_pieces).member("refused_samples", counts.refused_samples);
+  json.end_object();
+}
+
 }  // namespace
 
 std::uint64_t FrameCounts::dropped_total() const {
@@ -60,6 +79,7 @@ std::string to_json(const RunReport& report) {
   json.member("refused_blocks", report.refused_blocks);
   if (report.paging) write_paging(json, *report.paging);
   json.end_object();
+  if (report.alignment) write_alignment(json, *report.alignment);
   if (report.write_more) report.write_more(json);
   json.key("run").begin_object().member("command", report.command).member("version", report.version);
   json.member("seed", report.seed).member("threads", report.threads).member("board", report.board);

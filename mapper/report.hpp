@@ -12,6 +12,8 @@
 
 #include "hal/messages.hpp"
 #include "hal/result.hpp"
+#include "mapper/align/align_report.hpp"
+#include "mapper/align/motion_prior.hpp"
 #include "mapper/stage_times.hpp"
 
 namespace g3d::mapper {
@@ -47,6 +49,13 @@ struct PagingReport {
   std::uint64_t page_file_bytes = 0;
 };
 
+/// How the poses were corrected.
+struct AlignmentReport {
+  align::OdometryMode odometry = align::OdometryMode::aligned;
+  align::Motion motion = align::Motion::planar;
+  align::AlignReport counts;
+};
+
 struct RunReport {
   FrameCounts frames;
   std::vector<NamedStage> stages;
@@ -61,6 +70,8 @@ struct RunReport {
   std::optional<PagingReport> paging;
   std::uint64_t file_bytes = 0;  ///< of map.g3d
   std::string hash;
+
+  std::optional<AlignmentReport> alignment;  ///< none: the poses were taken as given
 
   // the run
   std::string command;

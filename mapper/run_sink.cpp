@@ -5,12 +5,14 @@
 
 namespace g3d::mapper {
 
-RunSink::RunSink(hal::TrajectoryWriter& trajectory, ProgressBar& progress, const hal::Clock& clock)
-    : trajectory_(trajectory), bar_(progress), clock_(clock) {}
+RunSink::RunSink(hal::TrajectoryWriter& trajectory, ProgressBar& progress, const hal::Clock& clock,
+                 hal::TrajectoryWriter* odometry)
+    : trajectory_(trajectory), odometry_(odometry), bar_(progress), clock_(clock) {}
 
 void RunSink::on_frame(const MappedFrame& frame) {
   if (!first_failure_) return;
   hal::Result<void> written = trajectory_.append({frame.stamp_ns, frame.T_world_camera});
+  if (written && odometry_ != nullptr) written = odometry_->append({frame.stamp_ns, frame.T_odometry_camera});
   if (!written) first_failure_ = std::move(written);
 }
 
@@ -21,7 +23,10 @@ void RunSink::on_progress(const Progress& progress) {
 
 hal::Result<void> RunSink::finish() {
   bar_.finish(last_progress_, clock_.now());
-  return first_failure_ ? trajectory_.commit() : first_failure_;
+  if (!first_failure_) return first_failure_;
+  hal::Result<void> committed = trajectory_.commit();
+  if (committed && odometry_ != nullptr) committed = odometry_->commit();
+  return committed;
 }
 
 }  // namespace g3d::mapper

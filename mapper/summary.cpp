@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 namespace g3d::mapper {
 namespace {
@@ -53,6 +54,12 @@ std::string summary_text(const RunReport& report, double run_s, const std::vecto
   text += fmt::format("map        {} occupied and {} free voxels of {:g} cm, {} of memory\n",
                       readable_count(report.occupied), readable_count(report.free), report.resolution_m * 100.0,
                       readable_bytes(report.memory_bytes));
+  if (report.alignment) {
+    const align::AlignReport& counts = report.alignment->counts;
+    text += fmt::format("aligned    {} of {} frames, corrected by {:.1f} mm and {:.2f} degrees rms in a step\n",
+                        counts.corrected(), frames.delivered, counts.shift_rms_m() * 1e3,
+                        counts.turn_rms_rad() * 180.0 / std::numbers::pi);
+  }
   if (report.paging) {
     const PagingReport& paging = *report.paging;
     text += fmt::format("window     {:g} m, {} regions went to disk and {} came back, {} were there at the end, {}\n",

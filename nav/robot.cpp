@@ -14,11 +14,14 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       driver_(config.driver),
       mapper_(config.mapper, config.camera, {}),
       navigator_(mapper_.map().grid(), config.navigator),
-      senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}) {
+      senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}),
+      placing_(config.align, config.camera, config.T_base_camera) {
   mapper_.follow_columns(navigator_.column_tables());
 }
 
-hal::PlanarPose Robot::T_world_base() const { return senses_.in_world(driver_.state().T_world_base); }
+hal::PlanarPose Robot::T_world_base() const {
+  return compose(placing_.T_world_odometry(), senses_.in_world(driver_.state().T_world_base));
+}
 
 void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   const bool is_lost = line.state() == hal::LineState::lost;
@@ -32,7 +35,7 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   const hal::kobuki::BaseState& base = driver_.state();
   if (base.packets != packets_seen_) {
     packets_seen_ = base.packets;
-    navigator_.on_base(senses_.feel(base), now);
+    navigator_.on_base(senses_.feel(base, placing_.T_world_odometry()), now);
     if (senses_.feels_battery_low(base)) navigator_.command(MissionEvent::battery_low);
   } else {
     navigator_.on_verdict(base.verdict);
@@ -47,12 +50,15 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
 
 void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   ++frames_.delivered;
-  const Sight sight = senses_.look(frame, driver_.poses(), now);
+  Sight sight = senses_.look(frame, driver_.poses(), now);
   if (sight.is_alive) driver_.set_camera_alive(frame.stamp_ns);
   if (sight.refused) {
     drop(*sight.refused);
     return;
   }
+  const hal::TimeNs align_start_ns = clock_.now();
+  placing_.place(frame, sight);
+  align_times_.add(clock_.now() - align_start_ns);
   const hal::PlanarPose& base = sight.T_world_base;
   if (frames_.integrated == 0) {
     mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.navigator.explorer.body_radius_m, config_.robot_height_m);

@@ -3,7 +3,7 @@
 // mission in between. Whoever owns the clock calls it: the simulation in lockstep, or the threads of a real board.
 //
 //   line ──bytes──▶ BaseDriver ──pose, safety──▶ Navigator ──velocity──▶ BaseDriver ──bytes──▶ line
-//   frame ─▶ Senses ─▶ pose at its stamp ─▶ Mapper ──changed blocks──▲
+//   frame ─▶ Senses ─▶ pose at its stamp ─▶ Placing ─▶ Mapper ──changed blocks──▲
 //
 // All calls from one thread; at equal times on_line comes before on_frame. Frames that were delivered are integrated or
 // counted under one reason.
@@ -23,6 +23,7 @@
 #include "mapper/stage_times.hpp"
 #include "nav/live_status.hpp"
 #include "nav/navigator.hpp"
+#include "nav/placing.hpp"
 #include "nav/senses.hpp"
 
 namespace g3d::nav {
@@ -34,9 +35,10 @@ struct RobotConfig {
   hal::FrameWatchOptions frame_watch;
   hal::CameraModel camera;
   hal::Pose T_base_camera;
-  hal::PlanarPose T_world_start;  ///< where odometry begins
-  double robot_height_m = 0.6;    ///< its own cylinder is free at the start
-  int steps_per_command = 2;      ///< the navigator decides at every so many-th tick of 20 ms
+  hal::PlanarPose T_world_start;                                    ///< where odometry begins
+  double robot_height_m = 0.6;                                      ///< its own cylinder is free at the start
+  std::optional<mapper::align::AlignOptions> align = std::nullopt;  ///< none: odometry is believed
+  int steps_per_command = 2;  ///< the navigator decides at every so many-th tick of 20 ms
 };
 
 class Robot {
@@ -61,6 +63,8 @@ class Robot {
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   [[nodiscard]] const mapper::FrameCounts& frames() const { return frames_; }
   [[nodiscard]] const mapper::StageTimes& integrate_times() const { return integrate_times_; }
+  [[nodiscard]] const mapper::StageTimes& align_times() const { return align_times_; }
+  [[nodiscard]] const Placing& placing() const { return placing_; }
   [[nodiscard]] const mapper::StageTimes& navigate_times() const { return navigate_times_; }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
@@ -76,8 +80,10 @@ class Robot {
   mapper::Mapper mapper_;
   Navigator navigator_;
   Senses senses_;
+  Placing placing_;
   mapper::FrameCounts frames_;
   mapper::StageTimes integrate_times_;
+  mapper::StageTimes align_times_;
   mapper::StageTimes navigate_times_;
   std::uint64_t pool_full_frames_ = 0;
   std::uint64_t refused_blocks_ = 0;

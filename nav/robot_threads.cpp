@@ -24,6 +24,8 @@ const char* RobotThreads::name_of(Stage stage) {
       return "read";
     case Stage::look:
       return "look";
+    case Stage::align:
+      return "align";
     case Stage::integrate:
       return "integrate";
     case Stage::end_to_end:
@@ -49,6 +51,7 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
       parts_(parts),
       base_(parts.line, parts.clock, base_options(), parts.guard, parts.recorder),
       senses_({config.robot.camera, config.robot.T_base_camera, config.robot.T_world_start, config.robot.frame_watch}),
+      placing_(config.robot.align, config.robot.camera, config.robot.T_base_camera),
       mapper_(config.robot.mapper, config.robot.camera, {}),
       navigator_(mapper_.map().grid(), config.robot.navigator),
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
@@ -113,7 +116,7 @@ void RobotThreads::camera_loop() {
       drop(*sight.refused);
       continue;
     }
-    const auto oldest = to_mapper_.push_overwrite_oldest({index, sight.T_world_base, sight.T_world_camera});
+    const auto oldest = to_mapper_.push_overwrite_oldest({index, sight});
     mapper_waits_.wake();
     if (oldest) {
       drop(hal::DropReason::queue_full);
@@ -136,15 +139,19 @@ void RobotThreads::mapper_loop() {
   mapper_cpu_ns_ = hal::thread_cpu_ns();
 }
 
-void RobotThreads::integrate(const JudgedFrame& judged) {
+void RobotThreads::integrate(JudgedFrame& judged) {
   const hal::Frame& frame = pool_[judged.frame_index];
+  const hal::TimeNs align_start_ns = parts_.clock.now();
+  placing_.place(frame, judged.sight);
+  T_world_odometry_.write(placing_.T_world_odometry());
+  add_time(Stage::align, align_start_ns);
   if (integrated_.load(std::memory_order_relaxed) == 0) {
-    const hal::PlanarPose& base = judged.T_world_base;
+    const hal::PlanarPose& base = judged.sight.T_world_base;
     mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.robot.navigator.explorer.body_radius_m,
                            config_.robot.robot_height_m);
   }
   const hal::TimeNs start_ns = parts_.clock.now();
-  const mapper::FrameReport report = mapper_.integrate(frame, judged.T_world_camera);
+  const mapper::FrameReport report = mapper_.integrate(frame, judged.sight.T_world_camera);
   const hal::TimeNs mapped_ns = parts_.clock.now();
   times(Stage::integrate).add(mapped_ns - start_ns);
   if (report.status == mapper::FrameStatus::out_of_range) {
@@ -155,7 +162,7 @@ void RobotThreads::integrate(const JudgedFrame& judged) {
   if (report.status == mapper::FrameStatus::pool_full) ++pool_full_frames_;
   refused_blocks_ += report.refused_blocks;
   integrated_.fetch_add(1, std::memory_order_relaxed);
-  if (!poses_.try_push({frame.stamp_ns, judged.T_world_camera})) ++lost_poses_;
+  if (!poses_.try_push({frame.stamp_ns, judged.sight.T_world_camera})) ++lost_poses_;
 
   shown_ = judged;
   navigators_turn_.store(true, std::memory_order_release);
@@ -194,7 +201,8 @@ void RobotThreads::take_base(hal::TimeNs now) {
     return;
   }
   seen_packets_ = base_state_.packets;
-  navigator_.on_base(senses_.feel(base_state_), now);
+  (void)T_world_odometry_.read(astray_);
+  navigator_.on_base(senses_.feel(base_state_, astray_), now);
   if (senses_.feels_battery_low(base_state_)) navigator_.command(MissionEvent::battery_low);
 }
 
@@ -216,7 +224,7 @@ void RobotThreads::step(hal::TimeNs now) {
 void RobotThreads::take_map(hal::TimeNs now) {
   if (!navigators_turn_.load(std::memory_order_acquire)) return;
   navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
-  navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.T_world_base, now);
+  navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.sight.T_world_base, now);
   navigators_turn_.store(false, std::memory_order_release);
   map_waits_.wake();
   add_time(Stage::ground, now);
@@ -228,7 +236,8 @@ void RobotThreads::tell(hal::TimeNs now) {
     coverage_ = parts_.coverage(navigator_.ground());
     navigator_.report().note_coverage(coverage_, now);
   }
-  LiveStatus status = status_of(navigator_, base_state_, senses_.in_world(base_state_.T_world_base), now);
+  LiveStatus status =
+      status_of(navigator_, base_state_, compose(astray_, senses_.in_world(base_state_.T_world_base)), now);
   status.coverage = coverage_;
   hotline_.publish(status);
 }

@@ -32,6 +32,7 @@
 #include "mapper/stage_times.hpp"
 #include "nav/hotline.hpp"
 #include "nav/navigator.hpp"
+#include "nav/placing.hpp"
 #include "nav/robot.hpp"
 #include "nav/senses.hpp"
 
@@ -93,6 +94,7 @@ class RobotThreads {
   [[nodiscard]] std::vector<ThreadTime> thread_times() const;
   [[nodiscard]] const mapper::Mapper& mapper() const { return mapper_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
+  [[nodiscard]] const Placing& placing() const { return placing_; }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
   [[nodiscard]] std::uint64_t lost_poses() const { return lost_poses_; }
@@ -100,12 +102,12 @@ class RobotThreads {
  private:
   struct JudgedFrame {
     std::uint32_t frame_index = 0;
-    hal::PlanarPose T_world_base;
-    hal::Pose T_world_camera;
+    Sight sight;
   };
   enum class Stage : std::uint8_t {
     read,            ///< camera: waiting for the frame included
     look,            ///< judging it
+    align,           ///< the pose that fits what was seen before
     integrate,       ///< frame -> map
     end_to_end,      ///< the frame's stamp -> map updated
     hand_over,       ///< map updated -> the navigator has taken the changes over
@@ -121,7 +123,7 @@ class RobotThreads {
   void camera_loop();
   void mapper_loop();
   void navigator_loop();
-  void integrate(const JudgedFrame& judged);
+  void integrate(JudgedFrame& judged);
   void take_base(hal::TimeNs now);
   void take_words(hal::TimeNs now);
   void take_map(hal::TimeNs now);
@@ -137,6 +139,7 @@ class RobotThreads {
   std::array<mapper::StageTimes, kStages> times_;  // each written by one thread
   hal::kobuki::BaseThread base_;
   Senses senses_;
+  Placing placing_;  // the mapper thread's
   mapper::Mapper mapper_;
   Navigator navigator_;
 
@@ -146,6 +149,7 @@ class RobotThreads {
   std::atomic<bool> navigators_turn_{false};  // who may touch the map, its changes and shown_
   hal::Parking map_waits_;
   JudgedFrame shown_;
+  hal::Latest<hal::PlanarPose> T_world_odometry_;
   hal::Ring<hal::StampedPose> poses_;
   Hotline hotline_;
 
@@ -158,6 +162,7 @@ class RobotThreads {
   // The navigator thread's
   std::uint64_t seen_state_ = 0, seen_packets_ = 0;
   hal::kobuki::BaseState base_state_;
+  hal::PlanarPose astray_;  // T_world_odometry_, read last
   double coverage_ = -1.0;  // nobody knows
   hal::TimeNs next_coverage_ns_ = 0;
 

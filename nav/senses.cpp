@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/senses.hpp"
 
-#include <cmath>
+#include "nav/placing.hpp"
 
 namespace g3d::nav {
 namespace {
@@ -17,12 +17,7 @@ Sight refused(hal::DropReason reason) {
 }  // namespace
 
 hal::PlanarPose Senses::in_world(const hal::PlanarPose& T_odometry_base) const {
-  const hal::PlanarPose& start = config_.T_world_start;
-  const double c = std::cos(start.heading_rad);
-  const double s = std::sin(start.heading_rad);
-  return {start.x_m + c * T_odometry_base.x_m - s * T_odometry_base.y_m,
-          start.y_m + s * T_odometry_base.x_m + c * T_odometry_base.y_m,
-          wrap_angle(start.heading_rad + T_odometry_base.heading_rad)};
+  return compose(config_.T_world_start, T_odometry_base);
 }
 
 Sight Senses::look(const hal::Frame& frame, const hal::kobuki::PoseHistory& poses, hal::TimeNs now) {
@@ -41,9 +36,9 @@ Sight Senses::look(const hal::Frame& frame, const hal::kobuki::PoseHistory& pose
   return sight;
 }
 
-BaseView Senses::feel(const hal::kobuki::BaseState& base) const {
+BaseView Senses::feel(const hal::kobuki::BaseState& base, const hal::PlanarPose& T_world_odometry) const {
   BaseView view;
-  view.T_world_base = in_world(base.T_world_base);
+  view.T_world_base = compose(T_world_odometry, in_world(base.T_world_base));
   view.velocity = base.velocity;
   view.bumper = base.bumper;
   view.cliff = base.cliff;

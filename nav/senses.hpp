@@ -34,10 +34,11 @@ class Senses {
 
   /// One thread, in the order of the frames; looks at every pixel once, allocates nothing. `poses`: of odometry.
   [[nodiscard]] Sight look(const hal::Frame& frame, const hal::kobuki::PoseHistory& poses, hal::TimeNs now);
-  /// Any thread.
-  [[nodiscard]] BaseView feel(const hal::kobuki::BaseState& base) const;
+  /// Any thread. `T_world_odometry`: how far odometry has gone astray (placing.hpp).
+  [[nodiscard]] BaseView feel(const hal::kobuki::BaseState& base, const hal::PlanarPose& T_world_odometry = {}) const;
   /// True once, when the base says for the first time that it is time to go home. One thread.
   [[nodiscard]] bool feels_battery_low(const hal::kobuki::BaseState& base);
+  /// As odometry has it.
   [[nodiscard]] hal::PlanarPose in_world(const hal::PlanarPose& T_odometry_base) const;
 
  private:

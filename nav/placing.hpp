@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the robot is, when odometry alone is not believed: every frame is aligned to what was seen before, and what
+// that says of the base is carried on by odometry until the next frame.
+//
+//   T_world_base now = T_world_odometry (of the last frame) * T_odometry_base now
+//
+// place() is of the thread that maps, the rest of any, by value.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "hal/kobuki/base_state.hpp"
+#include "hal/messages.hpp"
+#include "mapper/align/aligner.hpp"
+#include "nav/senses.hpp"
+
+namespace g3d::nav {
+
+/// T_a_c = T_a_b * T_b_c on the floor.
+[[nodiscard]] hal::PlanarPose compose(const hal::PlanarPose& T_a_b, const hal::PlanarPose& T_b_c);
+[[nodiscard]] hal::PlanarPose inverse(const hal::PlanarPose& T_a_b);
+/// The floor's part of a pose.
+[[nodiscard]] hal::PlanarPose on_plane(const hal::Pose& T_world_base);
+
+class Placing {
+ public:
+  /// Without options odometry is believed and every call does nothing.
+  Placing(const std::optional<mapper::align::AlignOptions>& options, const hal::CameraModel& camera,
+          const hal::Pose& T_base_camera);
+
+  /// Frames in their order. `sight`, which is not refused, has the poses of odometry and gets the corrected ones.
+  void place(const hal::Frame& frame, Sight& sight);
+  [[nodiscard]] const hal::PlanarPose& T_world_odometry() const { return T_world_odometry_; }
+  /// Nothing if odometry is believed.
+  [[nodiscard]] const mapper::align::Aligner* aligner() const { return aligner_.get(); }
+
+ private:
+  std::unique_ptr<mapper::align::Aligner> aligner_;
+  hal::Pose T_camera_base_;
+  hal::PlanarPose T_world_odometry_;
+};
+
+}  // namespace g3d::nav
