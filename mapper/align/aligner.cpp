@@ -101,11 +101,11 @@ Aligner::Solution Aligner::solve_from(const hal::Pose& start, const hal::Pose& p
   }
 }
 
-/// If odometry is in doubt, two poses are tried in which it hardly counts: from where it has the camera, and from where
-/// the camera was.
+/// Wheels slip; what follows a hand-held camera does not. If odometry is in doubt, two poses are tried in which it
+/// hardly counts: from where it has the camera, and from where the camera was.
 bool Aligner::is_against_odometry(const Solution& with, const hal::Pose& predicted, const Matrix6& prior,
                                   Solution& without) const {
-  if (!is_followed_ || report_.corrected() < kLeastCorrected) return false;
+  if (options_.motion != Motion::planar || !is_followed_ || report_.corrected() < kLeastCorrected) return false;
   const double surprise = std::sqrt(quadratic(prior, difference(predicted, with.pose)));
   if (surprise < kSurprise && with.cost < kUnusual * usual_cost_) return false;
   Matrix6 weak = prior;
@@ -116,7 +116,9 @@ bool Aligner::is_against_odometry(const Solution& with, const hal::Pose& predict
   const Vector6 off = difference(predicted, without.pose);
   const bool is_slip =
       (shift_of(off) > kLeastSlip_m || turn_of(off) > kLeastSlip_rad) && std::sqrt(quadratic(prior, off)) > kImpossible;
-  return is_slip && without.matched >= kLeastMatchedAgainst && without.cost < kMuchBetter * with.cost &&
+  // A scene that is strong enough has pulled the pose nearly there already, and leaves little to be better.
+  const double better = surprise > kImpossible ? 1.0 : kMuchBetter;
+  return is_slip && without.matched >= kLeastMatchedAgainst && without.cost < better * with.cost &&
          without.cost < kAsUsual * usual_cost_;
 }
 

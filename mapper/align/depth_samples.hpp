@@ -33,8 +33,8 @@ struct DepthSample {
 
 struct SampleOptions {
   float near_m = 0.6F;
-  float far_m = 4.0F;
-  float spacing_m = 0.08F;  ///< chosen samples lie about so far apart
+  float far_m = 6.0F;
+  float spacing_m = 0.06F;  ///< chosen samples lie about so far apart
   std::size_t most_chosen = 4096;
 };
 

@@ -57,6 +57,8 @@ Options read_options(int argc, char** argv) {
     if (word == "--weight") o.align.data_weight = number();
     if (word == "--kernel") o.align.kernel_m = static_cast<float>(number());
     if (word == "--cell") o.align.surface.cell_m = static_cast<float>(number());
+    if (word == "--spacing") o.align.samples.spacing_m = static_cast<float>(number());
+    if (word == "--far") o.align.samples.far_m = static_cast<float>(number());
     if (word == "--matched") o.align.least_matched = number();
   }
   return o;
