@@ -63,6 +63,7 @@ constexpr const char* kMergeExamples = R"(
 Examples:
   g3dmap merge a.g3d b.g3d --out both.g3d                  each map at the pose that its file states
   g3dmap merge a.g3d b.g3d --pose 0,0,0,0,0,0 --pose 2.5,0,0,0,0,1.5708 --out both.g3d
+  g3dmap merge a.g3d b.g3d --align rough --out both.g3d    poses that are up to 1 m and 30 degrees off
 
 A pose is x,y,z in metres and roll,pitch,yaw in radians, one --pose per map in the same order.)";
 
@@ -261,11 +262,17 @@ int parse_and_run(int argc, char** argv) {
   info_command->add_flag("--json", info.json, "For scripts");
 
   MergeOptions merge;
-  CLI::App* merge_command = add_command(app, "merge", "Join maps whose poses are known", kMergeExamples);
+  CLI::App* merge_command =
+      add_command(app, "merge", "Join maps, at their poses or aligned to each other", kMergeExamples);
   merge_command->add_option("MAPS", merge.maps, "Maps to join")->required()->expected(1, 256);
   merge_command->add_option("--pose", merge.poses, "x,y,z,roll,pitch,yaw of one map, in the order of the maps")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  merge_command
+      ->add_option("--align", merge.align,
+                   "Fit each map to those before it: its pose is known (0.3 m, 6 degrees), rough (1 m, 30 degrees) or "
+                   "unknown; refused where the maps do not say it clearly")
+      ->check(CLI::IsMember({"known", "rough", "unknown"}));
   merge_command->add_option("--out", merge.out, "Map to write")->required();
 
   MaskOptions mask;

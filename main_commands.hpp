@@ -98,6 +98,7 @@ struct InfoOptions {
 struct MergeOptions {
   std::vector<std::string> maps;
   std::vector<std::string> poses;  ///< "x,y,z,roll,pitch,yaw" per map, or none at all
+  std::string align;               ///< how well the poses are known: known, rough or unknown; empty: exactly
   std::string out;
 };
 

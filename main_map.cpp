@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// `g3dmap export`, `g3dmap info` and `g3dmap merge`: what can be done with maps that are files already.
+// `g3dmap export` and `g3dmap info`: what can be done with a map that is a file already.
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-#include <optional>
-
-#include "hal/geometry.hpp"
 #include "main_commands.hpp"
 #include "mapper/files/any_map.hpp"
 #include "mapper/json_writer.hpp"
 #include "mapper/map_hash.hpp"
-#include "mapper/merge.hpp"
 #include "mapper/summary.hpp"
 #include "nav/outputs.hpp"
 
@@ -57,21 +51,6 @@ void print_info_json(const std::string& file, const mapper::AnyMap& any) {
   fmt::print("{}", json.take());
 }
 
-/// "x,y,z,roll,pitch,yaw"; six finite numbers, positions within 1000 km.
-std::optional<hal::Pose> parse_pose(std::string_view text) {
-  std::array<double, 6> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto end = i + 1 < numbers.size() ? text.find(',') : text.size();
-    if (end == std::string_view::npos) return std::nullopt;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + end, numbers[i]);
-    if (error != std::errc{} || stop != text.data() + end || !std::isfinite(numbers[i]) || std::abs(numbers[i]) > 1e6) {
-      return std::nullopt;
-    }
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return hal::from_xyz_rpy(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]);
-}
-
 }  // namespace
 
 int run_export(const ExportOptions& options) {
@@ -95,41 +74,6 @@ int run_info(const InfoOptions& options) {
   const auto any = mapper::read_any_map(options.file);
   if (!any) return fail(any.error().text);
   options.json ? print_info_json(options.file, any.value()) : print_info(options.file, any.value());
-  return kExitDone;
-}
-
-int run_merge(const MergeOptions& options) {
-  if (!options.poses.empty() && options.poses.size() != options.maps.size()) {
-    return fail(fmt::format("{} maps but {} poses; give one --pose per map, or none", options.maps.size(),
-                            options.poses.size()),
-                kExitBadUsage);
-  }
-  std::vector<mapper::AnyMap> maps;
-  std::vector<mapper::MergeSource> sources;
-  for (std::size_t i = 0; i < options.maps.size(); ++i) {
-    auto any = mapper::read_any_map(options.maps[i]);
-    if (!any) return fail(any.error().text);
-    hal::Pose pose = any.value().meta.T_world_map;
-    if (!options.poses.empty()) {
-      const auto given = parse_pose(options.poses[i]);
-      if (!given) {
-        return fail(
-            fmt::format("--pose '{}': not x,y,z,roll,pitch,yaw with six numbers (metres, radians)", options.poses[i]),
-            kExitBadUsage);
-      }
-      pose = *given;
-    }
-    maps.push_back(std::move(any).value());
-    sources.push_back({maps.back().map.get(), pose, maps.back().meta.layer_id});
-  }
-  const auto merged = mapper::merge_maps(sources);
-  if (!merged) return fail(merged.error().text);
-  const auto written = nav::write_as(*merged.value(), {}, options.out);
-  if (!written) return fail(written.error().text);
-  const mapper::MapCounts counts = merged.value()->counts();
-  fmt::print("{}  {}  {} occupied and {} free voxels out of {} maps\nhash {}\n", written.value().path,
-             mapper::readable_bytes(written.value().bytes), mapper::readable_count(counts.occupied),
-             mapper::readable_count(counts.free), options.maps.size(), map_hash(*merged.value()));
   return kExitDone;
 }
 

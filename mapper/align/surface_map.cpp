@@ -14,8 +14,6 @@ constexpr float kNormalParts = 1024.0F;
 constexpr std::int32_t kMostWeight = 1 << 11;
 constexpr std::int32_t kMostSampleWeight = 32;
 constexpr std::int32_t kLeastWeight = 4;
-// Length of the mean normal: below, the cell holds a corner or a ball.
-constexpr float kLeastCoherence = 0.9F;
 
 struct CellIndex {
   std::int32_t x, y, z;
@@ -116,7 +114,7 @@ std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
     length += piece.normal[i] * piece.normal[i];
   }
   length = std::sqrt(length);
-  if (length < kLeastCoherence) return std::nullopt;
+  if (length < options_.least_coherence) return std::nullopt;
   const CellIndex index = index_of(cell.key);
   const std::int32_t low[3] = {index.x, index.y, index.z};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -26,6 +26,7 @@ struct SurfacePiece {
 struct SurfaceOptions {
   float cell_m = 0.08F;
   std::size_t slots = std::size_t{1} << 19;  ///< a power of two; 40 bytes each. Three quarters can be used
+  float least_coherence = 0.9F;              ///< length of a cell's mean normal; below, it holds a corner or a ball
 };
 
 class SurfaceMap {

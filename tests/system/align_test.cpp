@@ -98,3 +98,32 @@ TEST_CASE("what alignment cannot do is bad usage, with the reason", "[system][al
   CHECK(run_g3dmap({"sim", "--robots", "1", "--motion", "free", "--out", folder / "a"}).exit_code == 2);
   CHECK(run_g3dmap({"sim", "--odometry", "guessed", "--out", folder / "a"}).exit_code == 2);
 }
+
+TEST_CASE("maps whose poses are off are fitted before they are merged, or refused", "[system][align]") {
+  const TempFolder folder;
+  const std::string room = fly(folder, "room", {}) + "/map.g3d";
+  const std::string other = fly(folder, "office", {"--world", "office"}) + "/map.g3d";
+  const std::string out = folder / "both.g3d";
+  const std::vector<std::string> off{"--pose", "0,0,0,0,0,0", "--pose", "0.4,-0.2,0,0,0,0.2", "--out", out};
+
+  std::vector<std::string> arguments{"merge", room, room, "--align", "rough"};
+  arguments.insert(arguments.end(), off.begin(), off.end());
+  const ProgramResult fitted = run_g3dmap(arguments);
+  INFO(fitted.out << fitted.err);
+  REQUIRE(fitted.exit_code == 0);
+  CHECK(fitted.out.find("% of") != std::string::npos);
+  // The room stands once, not twice: hardly more voxels than in either half.
+  const ProgramResult info = run_g3dmap({"info", out, "--json"});
+  const auto occupied = [](const std::string& json) {
+    return std::stoul(json.substr(json.find("\"occupied\": ") + 12));
+  };
+  const auto single = occupied(run_g3dmap({"info", room, "--json"}).out);
+  CHECK(static_cast<double>(occupied(info.out)) < 1.15 * static_cast<double>(single));
+
+  std::filesystem::remove(out);
+  const ProgramResult refused = run_g3dmap({"merge", room, other, "--align", "rough", "--out", out});
+  CHECK(refused.exit_code == 1);
+  CHECK(refused.err.find("does not fit") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out));
+  CHECK(run_g3dmap({"merge", room, other, "--align", "perhaps", "--out", out}).exit_code == 2);
+}
