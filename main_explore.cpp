@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -83,6 +84,30 @@ std::string contradiction(const SimOptions& options) {
   return {};
 }
 
+/// How far the robot is from where it believes to be, once a second: only a simulation can know.
+struct PlaceError {
+  double square_sum_m2 = 0.0;
+  double largest_m = 0.0;
+  double largest_turn_rad = 0.0;
+  double last_m = 0.0;
+  std::uint64_t count = 0;
+
+  void note(const hal::PlanarPose& truth, const hal::PlanarPose& believed) {
+    last_m = std::hypot(truth.x_m - believed.x_m, truth.y_m - believed.y_m);
+    square_sum_m2 += last_m * last_m;
+    largest_m = std::max(largest_m, last_m);
+    largest_turn_rad = std::max(largest_turn_rad, std::abs(nav::wrap_angle(truth.heading_rad - believed.heading_rad)));
+    ++count;
+  }
+  void write(mapper::JsonWriter& json) const {
+    const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+    json.key("place_error").begin_object();
+    json.member("rms_m", rounded(count > 0 ? std::sqrt(square_sum_m2 / static_cast<double>(count)) : 0.0));
+    json.member("max_m", rounded(largest_m)).member("last_m", rounded(last_m));
+    json.member("max_rad", rounded(largest_turn_rad)).end_object();
+  }
+};
+
 /// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
 class Exploration {
  public:
@@ -122,6 +147,7 @@ class Exploration {
   }
 
   [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
+  [[nodiscard]] const PlaceError& place_error() const { return place_error_; }
   /// Of the integrated frames.
   [[nodiscard]] const std::vector<hal::StampedPose>& way() const { return way_; }
 
@@ -155,6 +181,7 @@ class Exploration {
   }
 
   void sample() {
+    place_error_.note(building_.T_world_base(0), robot_.T_world_base());
     fraction_ = coverage_.fraction(robot_.navigator().ground().states());
     robot_.navigator().report().note_coverage(fraction_, now_ns_);
     next_sample_ns_ = now_ns_ + kSecond_ns;
@@ -188,6 +215,7 @@ class Exploration {
   hal::TimeNs next_sample_ns_ = 0;
   std::uint64_t frames_ = 0;
   double fraction_ = 0.0;
+  PlaceError place_error_;
   std::vector<hal::StampedPose> way_;
 };
 
@@ -303,6 +331,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   control.reset();
   report.write_more = [&](mapper::JsonWriter& json) {
     nav::write_exploration(json, explored);
+    exploration.place_error().write(json);
     write_control(json, hotline, control_counts);
   };
   if (stop_requested.load()) report.notes.emplace_back("interrupted: what was mapped until then is saved");

@@ -25,11 +25,11 @@ enum class MapAlignOutcome : std::uint8_t {
 [[nodiscard]] const char* to_string(MapAlignOutcome outcome);
 
 struct MapAlignOptions {
-  double reach_m = 1.2;        ///< how far off the guess may be, each way on the floor
-  double reach_rad = 0.6;      ///< and how far turned
-  bool anywhere = false;       ///< the guess says nothing
-  double least_overlap = 0.9;  ///< of the surfaces that both have looked at
-  double least_area_m2 = 3.0;  ///< of surface that both show
+  double reach_m = 1.2;         ///< how far off the guess may be, each way on the floor
+  double reach_rad = 0.6;       ///< and how far turned
+  bool anywhere = false;        ///< the guess says nothing
+  double least_overlap = 0.93;  ///< of the surfaces that both have looked at
+  double least_area_m2 = 3.0;   ///< of surface that both show
 };
 
 struct MapAlignment {

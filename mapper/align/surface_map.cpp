@@ -54,6 +54,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
   const float per_cell = 1.0F / options_.cell_m;
   ++frame_;
   for (const DepthSample& sample : samples) {
+    if (sample.weight < options_.least_sample_weight) continue;
     const Vector3f p = rotated(T, sample.point_m);
     const Vector3f n = rotated(T, sample.normal);
     const float q[3] = {(p[0] + T.translation_m[0]) * per_cell, (p[1] + T.translation_m[1]) * per_cell,

@@ -25,8 +25,10 @@ struct SurfacePiece {
 
 struct SurfaceOptions {
   float cell_m = 0.08F;
-  std::size_t slots = std::size_t{1} << 19;  ///< a power of two; 40 bytes each. Three quarters can be used
-  float least_coherence = 0.9F;              ///< length of a cell's mean normal; below, it holds a corner or a ball
+  std::size_t slots = std::size_t{1} << 20;  ///< a power of two; 40 bytes each. Three quarters can be used
+  float least_sample_weight =
+      0.0008F;                   ///< samples below are matched, but not added: they would fill cells beside the surface
+  float least_coherence = 0.9F;  ///< length of a cell's mean normal; below, it holds a corner or a ball
 };
 
 class SurfaceMap {

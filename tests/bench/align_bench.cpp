@@ -59,6 +59,7 @@ Options read_options(int argc, char** argv) {
     if (word == "--cell") o.align.surface.cell_m = static_cast<float>(number());
     if (word == "--spacing") o.align.samples.spacing_m = static_cast<float>(number());
     if (word == "--far") o.align.samples.far_m = static_cast<float>(number());
+    if (word == "--least") o.align.surface.least_sample_weight = static_cast<float>(number());
     if (word == "--matched") o.align.least_matched = number();
   }
   return o;

@@ -187,5 +187,5 @@ TEST_CASE("without odometry a hand-held camera is followed by what it sees", "[m
   options.motion = Motion::free;
   options.source = OdometrySource::none;
   const Run run = align_all(d, still, options);
-  CHECK(test::trajectory_error(d.truth, run.poses).ate_m < 0.03);
+  CHECK(test::trajectory_error(d.truth, run.poses).ate_m < 0.05);
 }
