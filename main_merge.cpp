@@ -78,6 +78,7 @@ std::string reason(MapAlignOutcome outcome, const MapAlignment& found) {
 /// Each map is fitted to the first of those before it that it clearly overlaps; the first stays where it is.
 hal::Result<void> align_sources(const MergeOptions& options, std::vector<mapper::MergeSource>& sources) {
   std::vector<std::unique_ptr<MapSurfaces>> surfaces;
+  surfaces.reserve(sources.size());
   for (const mapper::MergeSource& source : sources) surfaces.push_back(std::make_unique<MapSurfaces>(*source.map));
   for (std::size_t i = 1; i < sources.size(); ++i) {
     std::optional<MapAlignment> best;

@@ -21,6 +21,10 @@ constexpr std::size_t kPlaces = 1U << 14;
 // Noise of a Kinect's depth (Nguyen, Izadi and Lovell 2012): sigma = 1.2 mm + 1.9 mm (z - 0.4)^2.
 float depth_sigma_m(float z_m) { return 0.0012F + 0.0019F * (z_m - 0.4F) * (z_m - 0.4F); }
 
+std::size_t place(int row, int column, int width) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+}
+
 std::uint64_t place_of(const Vector3f& p, float spacing_m) {
   std::uint64_t key = 1;
   for (const float x : p) {
@@ -73,9 +77,7 @@ void DepthSamples::average_tiles(const std::uint16_t* depth) {
       float most = 0.0F;
       int readings = 0;
       for (int y = 0; y < tile_px_; ++y) {
-        const std::uint16_t* row =
-            depth + static_cast<std::size_t>(r * tile_px_ + y) * static_cast<std::size_t>(camera_.width_px) +
-            c * tile_px_;
+        const std::uint16_t* row = depth + place(r * tile_px_ + y, c * tile_px_, camera_.width_px);
         for (int x = 0; x < tile_px_; ++x) {
           const float w = inverse_of_raw_[row[x]];
           sum += w;
@@ -85,7 +87,7 @@ void DepthSamples::average_tiles(const std::uint16_t* depth) {
         }
       }
       const bool is_whole = readings >= least_readings && most - least <= kLargestStepInTile;
-      inverse_depth_[static_cast<std::size_t>(r * columns_ + c)] = is_whole ? sum / static_cast<float>(readings) : 0.0F;
+      inverse_depth_[place(r, c, columns_)] = is_whole ? sum / static_cast<float>(readings) : 0.0F;
     }
   }
 }
@@ -93,7 +95,7 @@ void DepthSamples::average_tiles(const std::uint16_t* depth) {
 void DepthSamples::find_normals() {
   constexpr int k = kNormalReach_tiles;
   sample_count_ = 0;
-  const auto at = [&](int r, int c) { return inverse_depth_[static_cast<std::size_t>(r * columns_ + c)]; };
+  const auto at = [&](int r, int c) { return inverse_depth_[place(r, c, columns_)]; };
   const auto point = [&](int r, int c, float w) {
     const float z = 1.0F / w;
     return Vector3f{column_slope_[static_cast<std::size_t>(c)] * z, row_slope_[static_cast<std::size_t>(r)] * z, z};

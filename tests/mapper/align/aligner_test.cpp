@@ -72,7 +72,7 @@ const std::string kCorridor = "floor 0 0 0 60 4 0.1\nbox 0 1.05 0 60 0.1 2.5\nbo
 
 }  // namespace
 
-TEST_CASE("in a furnished room a drifting pose is held to a fraction of its error", "[mapper][align]") {
+TEST_CASE("in a furnished room a drifting pose is held to a fraction of its error", "[mapper][align][slow]") {
   const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 60);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const auto odometry = hal::drifted(d.truth, hal::robot_drift(seed));
@@ -98,7 +98,7 @@ TEST_CASE("the same frames give the same poses, to the last bit", "[mapper][alig
   }
 }
 
-TEST_CASE("along a smooth corridor the way is odometry's, and the report says so", "[mapper][align]") {
+TEST_CASE("along a smooth corridor the way is odometry's, and the report says so", "[mapper][align][slow]") {
   const Drive d = drive(kCorridor, -5, 0.1, 0, 0.4, 50);
   const double path_m = 0.4 * kPeriod_s * 49;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -114,7 +114,7 @@ TEST_CASE("along a smooth corridor the way is odometry's, and the report says so
   }
 }
 
-TEST_CASE("in front of a wall that fills the view, nothing slides along it", "[mapper][align]") {
+TEST_CASE("in front of a wall that fills the view, nothing slides along it", "[mapper][align][slow]") {
   const Drive d = drive("box 3 0 -2 0.1 30 8\n", 0.0, 0.0, 0, 0.2, 40);
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto odometry = hal::drifted(d.truth, hal::robot_drift(seed));
@@ -138,7 +138,7 @@ TEST_CASE("a covered camera, or one that sees nothing, leaves odometry as it is"
   CHECK(test::trajectory_error(d.truth, run.poses).ate_m < test::trajectory_error(d.truth, odometry).ate_m);
 }
 
-TEST_CASE("wheels that spin in the air move nothing", "[mapper][align]") {
+TEST_CASE("wheels that spin in the air move nothing", "[mapper][align][slow]") {
   const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.0, 40);
   auto odometry = d.truth;
   for (std::size_t i = 10; i < odometry.size(); ++i) {

@@ -56,7 +56,7 @@ TEST_CASE("a rough guess is put right to less than a voxel", "[mapper][align]") 
   }
 }
 
-TEST_CASE("a place is found without any guess when that is asked for", "[mapper][align]") {
+TEST_CASE("a place is found without any guess when that is asked for", "[mapper][align][slow]") {
   const Pair pair("furnished_room", 1, "furnished_room", 2);
   const hal::Pose guess = hal::from_xyz_rpy(2.0, 3.0, 0, 0, 0, 2.5);
   CHECK(align_maps(pair.surfaces_a, pair.surfaces_b, guess).outcome != MapAlignOutcome::aligned);
