@@ -136,8 +136,10 @@ Result<std::vector<PlanarPose>> choose_starts(const World& world, std::size_t co
   const PlanFrame& plan = frame.value();
   SeededRandom random(seed);
   const auto draw = [&] {
-    return std::pair(static_cast<int>(random.bits() % static_cast<std::uint64_t>(plan.columns)),
-                     static_cast<int>(random.bits() % static_cast<std::uint64_t>(plan.rows)));
+    // One after the other: compilers do not agree on the order of a call's arguments.
+    const auto row = static_cast<int>(random.bits() % static_cast<std::uint64_t>(plan.rows));
+    const auto column = static_cast<int>(random.bits() % static_cast<std::uint64_t>(plan.columns));
+    return std::pair(column, row);
   };
   std::vector<std::uint8_t> reached;
   if (!named.empty()) {

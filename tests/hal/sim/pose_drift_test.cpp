@@ -69,7 +69,7 @@ TEST_CASE("a seed is a drift, and drawn both ways", "[hal][sim][drift]") {
         drifted(truth, robot_drift(5)).back().T_world_camera.translation_m);
   int longer = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const auto& t = drifted(truth, robot_drift(seed)).back().T_world_camera.translation_m;
+    const auto t = drifted(truth, robot_drift(seed)).back().T_world_camera.translation_m;
     longer += std::hypot(t[0], t[1]) > 2.97 ? 1 : 0;
   }
   CHECK(longer > 2);

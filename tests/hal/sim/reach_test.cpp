@@ -88,3 +88,10 @@ TEST_CASE("a start within a wall is refused, and named") {
     CHECK_THAT(starts.error().text, Catch::Matchers::Contains("start 2 of the world, (1.90, 0.00)"));
   }
 }
+
+TEST_CASE("a seed is the same start for every compiler") {
+  const World room = load_world("furnished_room").value();
+  const PlanarPose start = choose_starts(room, 1, 2).value()[0];
+  CHECK(start.x_m == Approx(0.875));
+  CHECK(start.y_m == Approx(-2.575));
+}
