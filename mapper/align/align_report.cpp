@@ -9,8 +9,8 @@
 namespace g3d::mapper::align {
 namespace {
 
-constexpr std::array<const char*, kAlignOutcomeCount> kOutcomeNames{
-    "first", "aligned", "against_odometry", "few_samples", "little_overlap", "no_better", "implausible"};
+constexpr std::array<const char*, kAlignOutcomeCount> kOutcomeNames{"first",          "aligned",   "few_samples",
+                                                                    "little_overlap", "no_better", "implausible"};
 constexpr std::array<const char*, 3> kModeNames{"given", "aligned", "none"};
 
 double root_mean(double sum, std::uint64_t count) {
@@ -42,10 +42,7 @@ void AlignReport::count(AlignOutcome outcome, const Vector6& correction, bool ho
   turn_square_sum_rad2 += turn_rad * turn_rad;
 }
 
-std::uint64_t AlignReport::corrected() const {
-  return frames[static_cast<std::size_t>(AlignOutcome::aligned)] +
-         frames[static_cast<std::size_t>(AlignOutcome::against_odometry)];
-}
+std::uint64_t AlignReport::corrected() const { return frames[static_cast<std::size_t>(AlignOutcome::aligned)]; }
 double AlignReport::shift_rms_m() const { return root_mean(shift_square_sum_m2, corrected()); }
 double AlignReport::turn_rms_rad() const { return root_mean(turn_square_sum_rad2, corrected()); }
 

@@ -13,21 +13,18 @@
 namespace g3d::mapper::align {
 
 enum class AlignOutcome : std::uint8_t {
-  first,             ///< nothing to align to yet
-  aligned,           ///< with odometry
-  against_odometry,  ///< the scene fits far better where odometry says the camera cannot be
-  few_samples,       ///< the image shows too little: covered, out of range
-  little_overlap,    ///< too little of what it shows has been seen before
-  no_better,         ///< it fits no better than where odometry has the camera
-  implausible,       ///< farther from odometry than anything moves
+  first,           ///< nothing to align to yet
+  aligned,         ///< with odometry
+  few_samples,     ///< the image shows too little: covered, out of range
+  little_overlap,  ///< too little of what it shows has been seen before
+  no_better,       ///< it fits no better than where odometry has the camera
+  implausible,     ///< farther from odometry than anything moves
   count_,
 };
 inline constexpr std::size_t kAlignOutcomeCount = static_cast<std::size_t>(AlignOutcome::count_);
 [[nodiscard]] const char* to_string(AlignOutcome outcome);
 /// False: odometry's step was taken as it is.
-[[nodiscard]] constexpr bool is_corrected(AlignOutcome outcome) {
-  return outcome == AlignOutcome::aligned || outcome == AlignOutcome::against_odometry;
-}
+[[nodiscard]] constexpr bool is_corrected(AlignOutcome outcome) { return outcome == AlignOutcome::aligned; }
 
 /// Whose word the pose of a frame is.
 enum class OdometryMode : std::uint8_t {

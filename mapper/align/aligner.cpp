@@ -18,29 +18,12 @@ constexpr double kConverged_rad = 5e-5;
 constexpr double kUnitInformation = 1e6;
 // A mean square below this says how well the samples fit, not how well they are known.
 constexpr double kLeastMeanSquare = 0.05;
-// Odometry is doubted if it was corrected by so many of its standard deviations, or the fit costs so many times the
-// usual. Against it, a pose has to fit much better, as well as is usual, and be where odometry cannot have erred to.
-constexpr double kSurprise = 5.0;
-constexpr double kUnusual = 2.0;
-constexpr double kWeakPrior = 1e-4;
-constexpr double kMuchBetter = 0.3;
-constexpr double kAsUsual = 1.5;
-constexpr double kImpossible = 8.0;
-// Both want a camera that is followed closely, and long enough to know what is usual.
-constexpr hal::TimeNs kLongestPeriod_ns = 300'000'000;
-constexpr std::uint64_t kLeastCorrected = 5;
-// Less than this may be a time stamp that is off.
-constexpr double kLeastSlip_m = 0.02;
-constexpr double kLeastSlip_rad = 0.03;
-constexpr double kLeastMatchedAgainst = 0.6;
 // Samples find and lose their surfaces on the way, so that equal fits may differ by a little.
 constexpr double kNoBetter = 1.05;
 constexpr double kFewer = 0.9;
 // Between two frames no robot is pushed farther, and the search would not find it.
 constexpr double kMostShift_m = 0.35;
 constexpr double kMostTurn_rad = 0.35;
-// Of a new frame in the running mean of the costs.
-constexpr double kCostShare = 0.1;
 
 /// Whether the scene says less than odometry in some direction of one 3x3 part of the information.
 bool is_held(const Matrix6& data, const Matrix6& prior, std::size_t part) {
@@ -67,9 +50,9 @@ Matrix6 without_floor(const Matrix6& prior, Motion motion) {
 Aligner::Aligner(const AlignOptions& options, const hal::CameraModel& camera)
     : options_(options), samples_(camera, options.samples), surfaces_(options.surface) {}
 
-Aligner::Solution Aligner::solve_from(const hal::Pose& start, const hal::Pose& predicted, const Matrix6& prior) const {
+Aligner::Solution Aligner::solve_from(const hal::Pose& predicted, const Matrix6& prior) const {
   Solution s;
-  s.pose = start;
+  s.pose = predicted;
   const auto chosen = static_cast<double>(samples_.chosen().size());
   for (int step = 0;; ++step) {
     const NormalSums sums = match(samples_.chosen(), surfaces_, s.pose, options_.kernel_m);
@@ -101,27 +84,6 @@ Aligner::Solution Aligner::solve_from(const hal::Pose& start, const hal::Pose& p
   }
 }
 
-/// Wheels slip; what follows a hand-held camera does not. If odometry is in doubt, two poses are tried in which it
-/// hardly counts: from where it has the camera, and from where the camera was.
-bool Aligner::is_against_odometry(const Solution& with, const hal::Pose& predicted, const Matrix6& prior,
-                                  Solution& without) const {
-  if (options_.motion != Motion::planar || !is_followed_ || report_.corrected() < kLeastCorrected) return false;
-  const double surprise = std::sqrt(quadratic(prior, difference(predicted, with.pose)));
-  if (surprise < kSurprise && with.cost < kUnusual * usual_cost_) return false;
-  Matrix6 weak = prior;
-  for (double& x : weak) x *= kWeakPrior;
-  without = solve_from(predicted, predicted, weak);
-  const Solution standing = solve_from(last_pose_, last_pose_, weak);
-  if (standing.matched > kLeastMatchedAgainst && standing.cost < without.cost) without = standing;
-  const Vector6 off = difference(predicted, without.pose);
-  const bool is_slip =
-      (shift_of(off) > kLeastSlip_m || turn_of(off) > kLeastSlip_rad) && std::sqrt(quadratic(prior, off)) > kImpossible;
-  // A scene that is strong enough has pulled the pose nearly there already, and leaves little to be better.
-  const double better = surprise > kImpossible ? 1.0 : kMuchBetter;
-  return is_slip && without.matched >= kLeastMatchedAgainst && without.cost < better * with.cost &&
-         without.cost < kAsUsual * usual_cost_;
-}
-
 AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) const {
   AlignResult result;
   result.T_world_camera = predicted;
@@ -130,21 +92,16 @@ AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) con
     result.outcome = AlignOutcome::few_samples;
     return result;
   }
-  Solution s = solve_from(predicted, predicted, prior);
+  const Solution s = solve_from(predicted, prior);
   result.matched = s.matched;
   if (!s.enough) {
     result.outcome = AlignOutcome::little_overlap;
     return result;
   }
   result.outcome = AlignOutcome::aligned;
-  if (Solution other; is_against_odometry(s, predicted, prior, other)) {
-    s = other;
-    result.outcome = AlignOutcome::against_odometry;
-  }
   const Vector6 correction = difference(predicted, s.pose);
   result.matched = s.matched;
   result.residual_m = std::sqrt(s.mean_square);
-  result.cost = s.cost;
   result.surprise = std::sqrt(quadratic(prior, correction));
   if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad) {
     result.outcome = AlignOutcome::implausible;
@@ -173,14 +130,10 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const hal::Pose predicted = hal::compose(last_pose_, step);
     std::array<double, 3> step_m{};
     for (std::size_t i = 0; i < 3; ++i) step_m[i] = predicted.translation_m[i] - last_pose_.translation_m[i];
-    is_followed_ = frame.stamp_ns - last_stamp_ns_ <= kLongestPeriod_ns;
     const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
     result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));
   }
   report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
-  if (is_corrected(result.outcome)) {
-    usual_cost_ = usual_cost_ == 0.0 ? result.cost : usual_cost_ + kCostShare * (result.cost - usual_cost_);
-  }
   surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera));
   report_.surface_pieces = surfaces_.piece_count();
   report_.refused_samples = surfaces_.refused();

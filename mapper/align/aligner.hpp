@@ -3,10 +3,9 @@
 // from odometry and with odometry as a Gaussian prior in every solve. What the scene does not fix stays as odometry has
 // it: along a corridor, in front of a wall. A result that is no better than odometry by its own residuals, or not
 // believable, is not taken, and counted by reason.
-//
-// Where odometry itself is wrong (wheels that spin, a robot that is pushed) its prior holds the pose where it is not;
-// then a second solve leaves the prior out, and is taken if the scene fits so much better that it must be right.
-// Thread: one. Nothing is allocated after construction. The same frames and poses give the same bits everywhere.
+// Where odometry itself is wrong (wheels that spin, a robot that is pushed) its prior holds the pose near it: to
+// believe the scene instead was tried, and followed people who filled the view. Thread: one. Nothing is allocated after
+// construction. The same frames and poses give the same bits everywhere.
 #pragma once
 
 #include <array>
@@ -41,7 +40,6 @@ struct AlignResult {
   Vector6 correction{};      ///< by how much odometry's step was corrected, world axes
   double matched = 0.0;      ///< fraction of the chosen samples
   double residual_m = 0.0;   ///< root mean square, weighted
-  double cost = 0.0;         ///< the same of the kernel, squared
   double surprise = 0.0;     ///< how many of odometry's standard deviations the correction is
   bool holds_shift = false;  ///< in some direction odometry says more than the scene does
   bool holds_turn = false;
@@ -68,10 +66,8 @@ class Aligner {
     double mean_square = 0.0;
     bool enough = false;
   };
-  [[nodiscard]] Solution solve_from(const hal::Pose& start, const hal::Pose& predicted, const Matrix6& prior) const;
+  [[nodiscard]] Solution solve_from(const hal::Pose& predicted, const Matrix6& prior) const;
   [[nodiscard]] AlignResult judge(const hal::Pose& predicted, const Matrix6& prior) const;
-  [[nodiscard]] bool is_against_odometry(const Solution& with, const hal::Pose& predicted, const Matrix6& prior,
-                                         Solution& without) const;
 
   AlignOptions options_;
   DepthSamples samples_;
@@ -79,8 +75,6 @@ class Aligner {
   std::optional<hal::Pose> last_odometry_;
   hal::Pose last_pose_;
   hal::TimeNs last_stamp_ns_ = 0;
-  bool is_followed_ = false;  ///< the last frame is not long past
-  double usual_cost_ = 0.0;   ///< running mean over the aligned frames
   AlignReport report_;
 };
 
