@@ -55,7 +55,7 @@ Aligner::Solution Aligner::solve_from(const hal::Pose& predicted, const Matrix6&
   s.pose = predicted;
   const auto chosen = static_cast<double>(samples_.chosen().size());
   for (int step = 0;; ++step) {
-    const NormalSums sums = match(samples_.chosen(), surfaces_, s.pose, options_.kernel_m);
+    const NormalSums sums = match(samples_.chosen(), surfaces_, s.pose, options_.kernel_m, born_by_ns_);
     s.matched = static_cast<double>(sums.matched) / chosen;
     s.cost = sums.mean_cost();
     s.mean_square = sums.mean_square();
@@ -105,7 +105,7 @@ AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) con
   result.surprise = std::sqrt(quadratic(prior, correction));
   if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad) {
     result.outcome = AlignOutcome::implausible;
-  } else if (const NormalSums there = match(samples_.chosen(), surfaces_, predicted, options_.kernel_m);
+  } else if (const NormalSums there = match(samples_.chosen(), surfaces_, predicted, options_.kernel_m, born_by_ns_);
              s.cost > kNoBetter * there.mean_cost() ||
              s.matched * chosen < kFewer * static_cast<double>(there.matched)) {
     result.outcome = AlignOutcome::no_better;
@@ -124,17 +124,21 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
   AlignResult result;
   if (!last_odometry_) {
     result.T_world_camera = T_odometry_camera;
+    first_stamp_ns_ = frame.stamp_ns;
   } else {
     const bool is_measured = options_.source == OdometrySource::measured;
     const hal::Pose step = is_measured ? hal::compose(hal::inverse(*last_odometry_), T_odometry_camera) : hal::Pose{};
     const hal::Pose predicted = hal::compose(last_pose_, step);
     std::array<double, 3> step_m{};
     for (std::size_t i = 0; i < 3; ++i) step_m[i] = predicted.translation_m[i] - last_pose_.translation_m[i];
+    // At the very start everything is young.
+    const hal::TimeNs old_ns = frame.stamp_ns - options_.least_age_ns;
+    born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
     const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
     result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));
   }
   report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
-  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera));
+  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera), frame.stamp_ns);
   report_.surface_pieces = surfaces_.piece_count();
   report_.refused_samples = surfaces_.refused();
   last_odometry_ = T_odometry_camera;

@@ -29,9 +29,10 @@ struct AlignOptions {
   /// Neighbouring samples err alike, so that each of thousands counts for little. Over the mean square of the
   /// residuals, in units of the sensor's noise: a scene that contradicts itself says less.
   double data_weight = 0.2;
-  float kernel_m = 0.04F;      ///< Geman-McClure: a residual of this size counts a quarter
-  int most_steps = 8;          ///< of Gauss-Newton
-  double least_matched = 0.4;  ///< of the chosen samples
+  float kernel_m = 0.04F;                  ///< Geman-McClure: a residual of this size counts a quarter
+  int most_steps = 8;                      ///< of Gauss-Newton
+  hal::TimeNs least_age_ns = 300'000'000;  ///< surfaces younger than this may be somebody who walks
+  double least_matched = 0.4;              ///< of the chosen samples
 };
 
 struct AlignResult {
@@ -75,6 +76,8 @@ class Aligner {
   std::optional<hal::Pose> last_odometry_;
   hal::Pose last_pose_;
   hal::TimeNs last_stamp_ns_ = 0;
+  hal::TimeNs first_stamp_ns_ = 0;
+  hal::TimeNs born_by_ns_ = 0;  ///< what this frame may be aligned to
   AlignReport report_;
 };
 

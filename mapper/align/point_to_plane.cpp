@@ -8,7 +8,7 @@ constexpr float kLeastCosine = 0.8F;
 }  // namespace
 
 NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surfaces, const hal::Pose& T_world_camera,
-                 float kernel_m) {
+                 float kernel_m, hal::TimeNs born_by_ns) {
   NormalSums sums;
   const hal::RigidTransform T = hal::to_transform(T_world_camera);
   const float ceiling = kernel_m * kernel_m;
@@ -16,7 +16,7 @@ NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surface
     const Vector3f arm = rotated(T, sample.point_m);
     const Vector3f n = rotated(T, sample.normal);
     const Vector3f at{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]};
-    const auto piece = surfaces.find(at, n);
+    const auto piece = surfaces.find(at, n, born_by_ns);
     if (!piece || dot(piece->normal, n) < kLeastCosine) continue;
     const Vector3f& f = piece->normal;
     const float r = dot(f, {at[0] - piece->point_m[0], at[1] - piece->point_m[1], at[2] - piece->point_m[2]});

@@ -15,6 +15,7 @@ namespace g3d::mapper::align {
 /// Residual: how far in front of the surface a sample lies, metres. A sample without a surface, or with one that faces
 /// elsewhere, adds nothing.
 [[nodiscard]] NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surfaces,
-                               const hal::Pose& T_world_camera, float kernel_m);
+                               const hal::Pose& T_world_camera, float kernel_m,
+                               hal::TimeNs born_by_ns = SurfaceMap::kAnyTime);
 
 }  // namespace g3d::mapper::align

@@ -50,7 +50,7 @@ SurfaceMap::SurfaceMap(const SurfaceOptions& options)
   table_.touch(table_.size_bytes());
 }
 
-void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T) {
+void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T, hal::TimeNs stamp_ns) {
   const float per_cell = 1.0F / options_.cell_m;
   ++frame_;
   for (const DepthSample& sample : samples) {
@@ -72,6 +72,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
         continue;
       }
       cell.key = key;
+      cell.born_ns = stamp_ns;
       ++count_;
     }
     if (cell.frame != frame_) {
@@ -127,7 +128,8 @@ std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
   return piece;
 }
 
-std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vector3f& normal) const {
+std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vector3f& normal,
+                                             hal::TimeNs born_by_ns) const {
   const float per_cell = 1.0F / options_.cell_m;
   CellIndex index{static_cast<std::int32_t>(std::floor(point_m[0] * per_cell)),
                   static_cast<std::int32_t>(std::floor(point_m[1] * per_cell)),
@@ -140,7 +142,7 @@ std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vect
   for (int step = -1; step <= 1; ++step) {
     along = centre + step;
     const Cell* cell = look_up(key_of(index, facing));
-    if (cell == nullptr) continue;
+    if (cell == nullptr || cell->born_ns > born_by_ns) continue;
     const auto piece = piece_of(*cell);
     if (!piece) continue;
     const float distance = std::abs(piece->normal[0] * (point_m[0] - piece->point_m[0]) +

@@ -8,10 +8,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
-#include "hal/geometry.hpp"
+#include "hal/messages.hpp"
 #include "mapper/align/depth_samples.hpp"
 #include "mapper/pool.hpp"
 
@@ -25,7 +26,7 @@ struct SurfacePiece {
 
 struct SurfaceOptions {
   float cell_m = 0.08F;
-  std::size_t slots = std::size_t{1} << 20;  ///< a power of two; 40 bytes each. Three quarters can be used
+  std::size_t slots = std::size_t{1} << 20;  ///< a power of two; 48 bytes each. Three quarters can be used
   float least_sample_weight =
       0.0008F;                   ///< samples below are matched, but not added: they would fill cells beside the surface
   float least_coherence = 0.9F;  ///< length of a cell's mean normal; below, it holds a corner or a ball
@@ -36,9 +37,12 @@ class SurfaceMap {
   explicit SurfaceMap(const SurfaceOptions& options = {});
 
   /// Adds samples of one frame.
-  void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera);
-  /// The piece nearest to a point in the cell of the point and in those before and behind it, facing like `normal`.
-  [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal) const;
+  void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns = 0);
+  /// The piece nearest to a point in the cell of the point and in those before and behind it, facing like `normal`, and
+  /// first seen at `born_by_ns` at the latest: what moves is nowhere for long.
+  [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal,
+                                                 hal::TimeNs born_by_ns = kAnyTime) const;
+  static constexpr hal::TimeNs kAnyTime = std::numeric_limits<hal::TimeNs>::max();
   void clear();
 
   [[nodiscard]] std::size_t piece_count() const { return count_; }
@@ -59,6 +63,7 @@ class SurfaceMap {
     std::uint64_t key = 0;    ///< 0: nothing here
     std::uint32_t frame = 0;  ///< the last one that added to it
     std::int32_t weight = 0;
+    hal::TimeNs born_ns = 0;
     std::int32_t place[3] = {};   ///< sums of weight * offset from the cell's low corner, in 1/1024 of a cell
     std::int32_t normal[3] = {};  ///< sums of weight * normal * 1024
   };

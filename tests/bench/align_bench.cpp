@@ -60,6 +60,7 @@ Options read_options(int argc, char** argv) {
     if (word == "--spacing") o.align.samples.spacing_m = static_cast<float>(number());
     if (word == "--far") o.align.samples.far_m = static_cast<float>(number());
     if (word == "--least") o.align.surface.least_sample_weight = static_cast<float>(number());
+    if (word == "--age") o.align.least_age_ns = static_cast<hal::TimeNs>(1e9 * number());
     if (word == "--matched") o.align.least_matched = number();
   }
   return o;
