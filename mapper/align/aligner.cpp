@@ -132,7 +132,8 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     std::array<double, 3> step_m{};
     for (std::size_t i = 0; i < 3; ++i) step_m[i] = predicted.translation_m[i] - last_pose_.translation_m[i];
     // At the very start everything is young.
-    const hal::TimeNs old_ns = frame.stamp_ns - options_.least_age_ns;
+    const hal::TimeNs age_ns = options_.motion == Motion::planar ? options_.least_age_ns : 0;
+    const hal::TimeNs old_ns = frame.stamp_ns - age_ns;
     born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
     const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
     result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));

@@ -31,7 +31,7 @@ struct AlignOptions {
   double data_weight = 0.2;
   float kernel_m = 0.04F;                  ///< Geman-McClure: a residual of this size counts a quarter
   int most_steps = 8;                      ///< of Gauss-Newton
-  hal::TimeNs least_age_ns = 300'000'000;  ///< surfaces younger than this may be somebody who walks
+  hal::TimeNs least_age_ns = 200'000'000;  ///< planar: surfaces younger than this may be somebody who walks
   double least_matched = 0.4;              ///< of the chosen samples
 };
 
