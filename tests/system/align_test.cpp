@@ -22,10 +22,10 @@ std::vector<hal::StampedPose> way_in(const std::string& file) {
   return poses.value();
 }
 
-/// Eight seconds of the furnished room at 10 Hz.
+/// Eight seconds of the furnished room at 5 Hz.
 std::string fly(const TempFolder& folder, const std::string& name, std::vector<std::string> extra) {
   const std::string out = folder / name;
-  std::vector<std::string> arguments{"sim",          "--fps", "10",      "--duration", "8",
+  std::vector<std::string> arguments{"sim",          "--fps", "5",       "--duration", "8",
                                      "--resolution", "0.05",  "--quiet", "--out",      out};
   arguments.insert(arguments.end(), extra.begin(), extra.end());
   const ProgramResult result = run_g3dmap(arguments);
@@ -47,7 +47,7 @@ TEST_CASE("a flight whose odometry drifts is corrected, and both ways are kept",
   CHECK(aligned_m < 0.3 * drifted_m);
   CHECK(trajectory_error(truth, way_in(aligned + "/odometry.tum")).ate_m == Approx(drifted_m).epsilon(1e-6));
   CHECK_FALSE(std::filesystem::exists(drifting + "/odometry.tum"));
-  CHECK(report_number(aligned + "/report.json", "aligned") > 70);
+  CHECK(report_number(aligned + "/report.json", "aligned") > 35);
   CHECK(report_text(aligned + "/report.json", "odometry") == "aligned");
   CHECK(report_is_balanced(aligned + "/report.json"));
 
