@@ -10,17 +10,9 @@
 #include "hal/replay/tum_folder.hpp"
 #include "hal/sim/pose_drift.hpp"
 #include "main_commands.hpp"
+#include "main_say.hpp"
 
 namespace g3d {
-namespace {
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
-
-}  // namespace
-
 int run_drift(const DriftOptions& options) {
   std::string path = options.poses;
   if (std::filesystem::is_directory(path)) {

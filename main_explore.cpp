@@ -20,6 +20,7 @@
 #include "main_commands.hpp"
 #include "main_robot.hpp"
 #include "main_save.hpp"
+#include "main_say.hpp"
 #include "main_setup.hpp"
 #include "mapper/block_source.hpp"
 #include "mapper/map_hash.hpp"
@@ -52,16 +53,6 @@ void catch_stop_signals() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
-
-int bad_usage(const std::string& text) {
-  (void)fail(text);
-  return kExitBadUsage;
 }
 
 /// What is said of a flight or of mapping and would be ignored here; empty: nothing.

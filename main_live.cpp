@@ -12,6 +12,7 @@
 #include "main_live_run.hpp"
 #include "main_robot.hpp"
 #include "main_save.hpp"
+#include "main_say.hpp"
 #include "main_setup.hpp"
 #include "mapper/map_hash.hpp"
 #include "mapper/report.hpp"
@@ -22,16 +23,6 @@
 
 namespace g3d {
 namespace {
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
-
-int bad_usage(const std::string& text) {
-  (void)fail(text);
-  return kExitBadUsage;
-}
 
 std::optional<std::string> contradiction(const board::Board& board, const LiveOptions& options) {
   const bool in_simulation = board.base_line == "sim";

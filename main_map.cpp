@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "main_commands.hpp"
+#include "main_say.hpp"
 #include "mapper/files/any_map.hpp"
 #include "mapper/json_writer.hpp"
 #include "mapper/map_hash.hpp"
@@ -11,11 +12,6 @@
 
 namespace g3d {
 namespace {
-
-int fail(const std::string& text, int exit_code = kExitFailed) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return exit_code;
-}
 
 void print_info(const std::string& file, const mapper::AnyMap& any) {
   const mapper::MapCounts counts = any.map->counts();

@@ -5,6 +5,7 @@
 #include "hal/frame_pool.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "main_commands.hpp"
+#include "main_say.hpp"
 #include "mapper/scan_mask.hpp"
 
 namespace g3d {
@@ -12,11 +13,6 @@ namespace {
 
 // Below, the recording shows no wall that fills the view.
 constexpr double kLeastMaskCoverage = 0.5;
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 
 #include "hal/geometry.hpp"
 #include "main_commands.hpp"
+#include "main_say.hpp"
 #include "mapper/align/map_aligner.hpp"
 #include "mapper/align/pose_step.hpp"
 #include "mapper/files/any_map.hpp"
@@ -25,11 +26,6 @@ namespace {
 using mapper::align::MapAlignment;
 using mapper::align::MapAlignOutcome;
 using mapper::align::MapSurfaces;
-
-int fail(const std::string& text, int exit_code = kExitFailed) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return exit_code;
-}
 
 /// "x,y,z,roll,pitch,yaw"; six finite numbers, positions within 1000 km.
 std::optional<hal::Pose> parse_pose(std::string_view text) {

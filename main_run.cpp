@@ -20,6 +20,7 @@
 #include "hal/replay/trajectory_file.hpp"
 #include "main_commands.hpp"
 #include "main_run.hpp"
+#include "main_say.hpp"
 #include "main_setup.hpp"
 #include "mapper/align/aligner.hpp"
 #include "mapper/files/checkpoint.hpp"
@@ -55,16 +56,6 @@ void catch_stop_signals(mapper::Pipeline& pipeline) {
   action.sa_flags = SA_RESTART;  // a file that is being read or written is not to blame
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
-
-int bad_usage(const std::string& text) {
-  (void)fail(text);
-  return kExitBadUsage;
 }
 
 hal::Result<void> make_folder(const std::string& path) {

@@ -12,20 +12,11 @@
 #include "hal/sim/sim_camera.hpp"
 #include "main_commands.hpp"
 #include "main_run.hpp"
+#include "main_say.hpp"
 #include "main_setup.hpp"
 
 namespace g3d {
 namespace {
-
-int fail(const std::string& text) {
-  fmt::print(stderr, "g3dmap: {}\n", text);
-  return kExitFailed;
-}
-
-int bad_usage(const std::string& text) {
-  (void)fail(text);
-  return kExitBadUsage;
-}
 
 /// What odometry says at the time of each frame; nothing if it is exact.
 std::vector<hal::StampedPose> drifting_poses(const hal::CameraPath& path, double rate_hz, const SimOptions& options) {
