@@ -24,6 +24,7 @@ constexpr double kFewer = 0.9;
 // Between two frames no robot is pushed farther, and the search would not find it.
 constexpr double kMostShift_m = 0.35;
 constexpr double kMostTurn_rad = 0.35;
+constexpr double kFarthest_m = 30'000.0;
 
 /// Whether the scene says less than odometry in some direction of one 3x3 part of the information.
 bool is_held(const Matrix6& data, const Matrix6& prior, std::size_t part) {
@@ -43,6 +44,12 @@ Matrix6 without_floor(const Matrix6& prior, Motion motion) {
   Matrix6 freed = prior;
   if (motion == Motion::planar) freed[7 * 2] = freed[7 * 3] = freed[7 * 4] = -1e18;
   return freed;
+}
+
+/// Such a pose is a mistake, which no map takes; were it followed there, the digits of the way back would be lost.
+bool is_beyond(const hal::Pose& T) {
+  return std::any_of(T.translation_m.begin(), T.translation_m.end(),
+                     [](double t_m) { return !(std::abs(t_m) < kFarthest_m); });
 }
 
 }  // namespace
@@ -120,6 +127,13 @@ AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) con
 }
 
 AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera) {
+  if (is_beyond(T_odometry_camera)) {
+    AlignResult nowhere;
+    nowhere.outcome = AlignOutcome::implausible;
+    nowhere.T_world_camera = T_odometry_camera;
+    report_.count(nowhere.outcome, {}, false, false);
+    return nowhere;
+  }
   samples_.compute(frame.depth.get());
   AlignResult result;
   if (!last_odometry_) {

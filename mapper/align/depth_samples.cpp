@@ -25,16 +25,16 @@ std::size_t place(int row, int column, int width) {
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
 }
 
-std::uint64_t place_of(const Vector3f& p, float spacing_m) {
+}  // namespace
+
+std::uint64_t cube_of(const Vector3f& point_m, float side_m) {
   std::uint64_t key = 1;
-  for (const float x : p) {
-    const auto cell = static_cast<std::int32_t>(std::floor(x / spacing_m));
+  for (const float x : point_m) {
+    const auto cell = static_cast<std::int32_t>(std::floor(x / side_m));
     key = key << 20 | (static_cast<std::uint64_t>(cell + (1 << 19)) & 0xFFFFFU);
   }
   return key;
 }
-
-}  // namespace
 
 DepthSamples::DepthSamples(const hal::CameraModel& camera, const SampleOptions& options)
     : camera_(camera),
@@ -135,7 +135,7 @@ void DepthSamples::choose() {
   std::fill(taken_.begin(), taken_.end(), 0);
   chosen_count_ = 0;
   for (std::size_t i = 0; i < sample_count_ && chosen_count_ < chosen_.size(); ++i) {
-    const std::uint64_t key = place_of(samples_[i].point_m, options_.spacing_m);
+    const std::uint64_t key = cube_of(samples_[i].point_m, options_.spacing_m);
     std::size_t at = (key * 0x9E3779B97F4A7C15ULL) >> 50;
     while (taken_[at] != 0 && taken_[at] != key) at = (at + 1) & (kPlaces - 1);
     if (taken_[at] == key) continue;

@@ -38,6 +38,9 @@ struct SampleOptions {
   std::size_t most_chosen = 4096;
 };
 
+/// Names the cube of `side_m` that a point lies in; never 0. Points within 500,000 cubes of the origin have their own.
+[[nodiscard]] std::uint64_t cube_of(const Vector3f& point_m, float side_m);
+
 class DepthSamples {
  public:
   explicit DepthSamples(const hal::CameraModel& camera, const SampleOptions& options = {});

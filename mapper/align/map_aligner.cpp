@@ -23,6 +23,7 @@ constexpr std::size_t kCandidates = 12;
 constexpr std::size_t kCandidatesAnywhere = 60;
 constexpr double kTurnStep_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kShiftStep_m = 0.25;
+constexpr double kMostPlaces = 1e6;
 constexpr float kCoarseKernel_m = 0.15F;
 constexpr float kFineKernel_m = 0.04F;
 constexpr int kCoarseSteps = 12;
@@ -96,12 +97,15 @@ std::vector<Candidate> search(const MapSurfaces& a, const MapSurfaces& b, const 
     high_y = static_cast<double>(a.high_m()[1]) - middle.translation_m[1];
     reach_rad = std::numbers::pi - 0.5 * kTurnStep_rad;
   }
+  // In a map so large that the places were too many, they stand farther apart, and fewer answers are sure enough.
+  const double places_per_step2 = (high_x - low_x) * (high_y - low_y) * 2.0 * reach_rad / kTurnStep_rad;
+  const double step_m = std::max(kShiftStep_m, std::sqrt(places_per_step2 / kMostPlaces));
   // A robot errs about where it started, which is where its map has its origin.
   const Vector3f pivot_m = options.anywhere ? b.centre_m() : Vector3f{};
   const int turns = static_cast<int>(std::ceil(reach_rad / kTurnStep_rad));
   for (int turn = -turns; turn <= turns; ++turn) {
-    for (double x_m = low_x; x_m <= high_x + 1e-9; x_m += kShiftStep_m) {
-      for (double y_m = low_y; y_m <= high_y + 1e-9; y_m += kShiftStep_m) {
+    for (double x_m = low_x; x_m <= high_x + 1e-9; x_m += step_m) {
+      for (double y_m = low_y; y_m <= high_y + 1e-9; y_m += step_m) {
         Candidate c{displaced(guess, pivot_m, x_m, y_m, turn * kTurnStep_rad), 0.0};
         c.score = score_of(samples, a.coarse(), c.pose);
         all.push_back(c);

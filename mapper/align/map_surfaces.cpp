@@ -108,12 +108,7 @@ std::vector<DepthSample> evenly(std::span<const DepthSample> samples, float spac
     std::unordered_set<std::uint64_t> taken;
     std::vector<DepthSample> chosen;
     for (const DepthSample& sample : samples) {
-      std::uint64_t key = 1;
-      for (const float x : sample.point_m) {
-        key = key << 20 |
-              (static_cast<std::uint64_t>(static_cast<std::int32_t>(std::floor(x / spacing_m)) + (1 << 19)) & 0xFFFFFU);
-      }
-      if (taken.insert(key).second) chosen.push_back(sample);
+      if (taken.insert(cube_of(sample.point_m, spacing_m)).second) chosen.push_back(sample);
     }
     if (chosen.size() <= most) return chosen;
   }

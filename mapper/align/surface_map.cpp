@@ -40,6 +40,12 @@ int facing_of(const Vector3f& n) {
   return n[2] < 0.0F ? 5 : 4;
 }
 
+/// Keys have room for this many cells each way: 40 km at 8 cm. False for what is no number, too.
+bool is_inside(const float (&q)[3]) {
+  constexpr float kFarthest_cells = 500'000.0F;
+  return std::abs(q[0]) < kFarthest_cells && std::abs(q[1]) < kFarthest_cells && std::abs(q[2]) < kFarthest_cells;
+}
+
 std::size_t spread(std::uint64_t key) { return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 24); }
 
 }  // namespace
@@ -59,6 +65,10 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
     const Vector3f n = rotated(T, sample.normal);
     const float q[3] = {(p[0] + T.translation_m[0]) * per_cell, (p[1] + T.translation_m[1]) * per_cell,
                         (p[2] + T.translation_m[2]) * per_cell};
+    if (!is_inside(q)) {
+      ++refused_;
+      continue;
+    }
     const float low[3] = {std::floor(q[0]), std::floor(q[1]), std::floor(q[2])};
     const CellIndex index{static_cast<std::int32_t>(low[0]), static_cast<std::int32_t>(low[1]),
                           static_cast<std::int32_t>(low[2])};
@@ -131,9 +141,10 @@ std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
 std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vector3f& normal,
                                              hal::TimeNs born_by_ns) const {
   const float per_cell = 1.0F / options_.cell_m;
-  CellIndex index{static_cast<std::int32_t>(std::floor(point_m[0] * per_cell)),
-                  static_cast<std::int32_t>(std::floor(point_m[1] * per_cell)),
-                  static_cast<std::int32_t>(std::floor(point_m[2] * per_cell))};
+  const float q[3] = {point_m[0] * per_cell, point_m[1] * per_cell, point_m[2] * per_cell};
+  if (!is_inside(q)) return std::nullopt;
+  CellIndex index{static_cast<std::int32_t>(std::floor(q[0])), static_cast<std::int32_t>(std::floor(q[1])),
+                  static_cast<std::int32_t>(std::floor(q[2]))};
   const int facing = facing_of(normal);
   std::int32_t& along = facing < 2 ? index.x : facing < 4 ? index.y : index.z;
   std::optional<SurfacePiece> best;
@@ -154,13 +165,6 @@ std::optional<SurfacePiece> SurfaceMap::find(const Vector3f& point_m, const Vect
     }
   }
   return best;
-}
-
-void SurfaceMap::clear() {
-  table_.reset();
-  table_.touch(table_.size_bytes());
-  count_ = 0;
-  refused_ = 0;
 }
 
 }  // namespace g3d::mapper::align

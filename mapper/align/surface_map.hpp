@@ -43,7 +43,6 @@ class SurfaceMap {
   [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal,
                                                  hal::TimeNs born_by_ns = kAnyTime) const;
   static constexpr hal::TimeNs kAnyTime = std::numeric_limits<hal::TimeNs>::max();
-  void clear();
 
   [[nodiscard]] std::size_t piece_count() const { return count_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }

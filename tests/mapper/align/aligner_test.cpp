@@ -154,6 +154,18 @@ TEST_CASE("wheels that spin and a robot that is pushed: no worse than odometry",
         test::trajectory_error(pushed.truth, still).ate_m);
 }
 
+TEST_CASE("a pose beyond any building moves nothing, and the next one goes on as if it had not been",
+          "[mapper][align]") {
+  const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 8);
+  auto odometry = d.truth;
+  odometry[4].T_world_camera.translation_m[1] = 1e300;
+  const Run run = align_all(d, odometry);
+  CHECK(run.results[4].outcome == AlignOutcome::implausible);
+  CHECK(run.poses[4].T_world_camera.translation_m[1] == 1e300);
+  const Vector6 off = difference(d.truth[7].T_world_camera, run.poses[7].T_world_camera);
+  CHECK(shift_of(off) < 0.01);
+}
+
 TEST_CASE("a mount whose pitch is two degrees off does not spoil the plane", "[mapper][align]") {
   const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 40);
   auto believed = d.truth;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -111,7 +112,15 @@ TEST_CASE("a full table takes no new pieces, counts what it refused and keeps wh
     ++pieces;
   });
   CHECK(pieces > 40);
-  map.clear();
+}
+
+TEST_CASE("places beyond any building, and what is no number, are refused", "[mapper][align]") {
+  SurfaceMap map(small());
+  for (const float far :
+       {1e5F, -1e5F, 1e30F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    map.add(wall(far, -1.0F, 10, 0.0, 1), {});
+    CHECK_FALSE(map.find({far, 0.5F, 0.5F}, {-1, 0, 0}));
+  }
   CHECK(map.piece_count() == 0);
-  CHECK_FALSE(map.find({2.012F, 0.5F, 0.5F}, {-1, 0, 0}));
+  CHECK(map.refused() == 50);
 }
