@@ -8,7 +8,9 @@
 #include "hal/replay/recorded_poses.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/sim/load_world.hpp"
+#include "hal/sim/pose_drift.hpp"
 #include "hal/sim/sim_camera.hpp"
+#include "mapper/align/aligner.hpp"
 #include "mapper/pipeline.hpp"
 #include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
@@ -72,7 +74,7 @@ class ArmingCamera final : public hal::DepthCamera {
 
 /// How often anything was allocated between the reads `first` and `last`.
 std::uint64_t count_allocations(hal::DepthCamera& camera, const hal::PoseSource& poses, std::size_t first,
-                                std::size_t last, int threads) {
+                                std::size_t last, int threads, mapper::align::Aligner* aligner = nullptr) {
   const test::TempFolder folder;
   mapper::MapperConfig config;
   config.threads = threads;
@@ -84,7 +86,7 @@ std::uint64_t count_allocations(hal::DepthCamera& camera, const hal::PoseSource&
   mapper::ProgressBar bar(stderr, mapper::ProgressStyle::quiet, std::nullopt);
   mapper::RunSink sink(trajectory.value(), bar, const_clock);
   ArmingCamera arming(camera, first, last);
-  mapper::Pipeline pipeline(arming, poses, mapper, sink, clock, {});
+  mapper::Pipeline pipeline(arming, poses, mapper, sink, clock, {.aligner = aligner});
   allocations.store(0);
   pipeline.run();
   REQUIRE_FALSE(armed.load());
@@ -115,6 +117,26 @@ TEST_CASE("mapping a simulated drive allocates nothing after the start", "[syste
   const hal::SimPoses poses(path.value());
   hal::SimCamera camera(std::move(world).value(), path.value(), options);
   CHECK(count_allocations(camera, poses, 3, 60, 2) == 0);
+}
+
+TEST_CASE("aligning a drifting drive allocates nothing after the start", "[system][allocation][align]") {
+  auto world = hal::load_world("furnished_room");
+  auto path = hal::load_camera_path("furnished_room");
+  REQUIRE(world.ok());
+  REQUIRE(path.ok());
+  hal::SimCameraOptions options;
+  options.max_frames = 30;
+  options.renderer.threads = 2;
+  std::vector<hal::StampedPose> truth;
+  for (std::size_t i = 0; i < 30; ++i) {
+    const hal::TimeNs stamp_ns = hal::frame_stamp_ns(path.value(), i, options.rate_hz);
+    truth.push_back({stamp_ns, path.value().pose_at(stamp_ns)});
+  }
+  const hal::RecordedPoses poses(hal::drifted(truth, hal::robot_drift(1)));
+  hal::SimCamera camera(std::move(world).value(), path.value(), options);
+  mapper::align::Aligner aligner({}, camera.model());
+  CHECK(count_allocations(camera, poses, 3, 30, 1, &aligner) == 0);
+  CHECK(aligner.report().corrected() > 25);
 }
 
 TEST_CASE("mapping a recording with PNG images allocates nothing after the start", "[system][allocation]") {
