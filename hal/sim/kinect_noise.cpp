@@ -36,7 +36,11 @@ std::uint16_t to_raw(float depth_m, float units_per_metre) {
 }  // namespace
 
 KinectNoise::KinectNoise(const CameraModel& camera, std::uint64_t seed, const KinectNoiseModel& model)
-    : camera_(camera), model_(model), seed_(seed), raw_of_step_(kDisparitySteps) {
+    : camera_(camera),
+      model_(model),
+      seed_(seed),
+      edge_share_(std::min(camera.fx_px / model.edge_focal_px, 1.0F)),
+      raw_of_step_(kDisparitySteps) {
   const float nearest_step = model.disparity_focal_px * model.baseline_m * kStepsPerPixel;
   for (std::size_t step = 1; step < kDisparitySteps; ++step) {
     raw_of_step_[step] = to_raw(nearest_step / static_cast<float>(step), camera.depth_units_per_metre);
@@ -91,10 +95,12 @@ void KinectNoise::apply_row(const ExactView& exact, std::uint64_t frame_key, std
     const float low = std::min(std::min(left, right), std::min(above_m[u], below_m[u]));
     if (high - low > model_.edge_fraction * z || low <= 0.0F) {
       const std::uint64_t edge_bits = mix(bits);
-      if ((edge_bits & 0xFFFF) < threshold(model_.edge_dropout)) continue;
-      // The outline wanders by a pixel: the correlation window of the sensor straddles it.
+      if ((edge_bits & 0xFFFF) < threshold(edge_share_ * model_.edge_dropout)) continue;
+      // The outline wanders by a pixel of the sensor: its correlation window straddles it.
       const float beside = (edge_bits & 0x10000) != 0 ? left : right;
-      if ((edge_bits & 0x60000) == 0 && beside >= model_.near_m && beside <= model_.far_m) z = beside;
+      const std::uint64_t turned_bits = ((edge_bits >> 17) & 3) << 14 | ((edge_bits >> 19) & 0x3FFF);
+      const bool wanders = turned_bits < threshold(edge_share_ * model_.edge_wander);
+      if (wanders && beside >= model_.near_m && beside <= model_.far_m) z = beside;
     }
     const float from_m = z - model_.sigma_from_m;
     z += gaussian(bits) * (model_.sigma_0_m + model_.sigma_2_perm * from_m * from_m);

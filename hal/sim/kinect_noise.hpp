@@ -26,6 +26,9 @@ struct KinectNoiseModel {
   float grazing_all_cos = 0.11F;   ///< from here on all readings; linear chance between
   float edge_fraction = 0.08F;     ///< neighbours that differ by this fraction of depth make an edge
   float edge_dropout = 0.30F;      ///< chance of no reading at an edge
+  float edge_wander = 0.25F;       ///< else: chance of the reading that a neighbour should have
+  float edge_focal_px =
+      525.0F;  ///< of the images that this is true of; in coarser ones fewer pixels are so near an edge
   float speckle_dropout = 0.005F;  ///< chance of no reading anywhere
 };
 
@@ -45,6 +48,7 @@ class KinectNoise {
   CameraModel camera_;
   KinectNoiseModel model_;
   std::uint64_t seed_;
+  float edge_share_;  ///< of the pixels beside an edge: those of the sensor's own pixels that touch it
   std::vector<std::uint16_t> raw_of_step_;  ///< reading for a disparity in eighths of a pixel
 };
 

@@ -79,9 +79,9 @@ TEST_CASE("a short simulated drive has its golden hashes") {
   const test::Workload work = test::simulated_drive("furnished_room", 8, 1.0, 0.0, 160);
   REQUIRE(work.frames.size() == 8);
   const std::map<IntegratorKind, std::string> golden{
-      {IntegratorKind::dda, "071d9189f0f56ec8caeb089783f1738b39968c4a6e5a69522ce3247b0160138f"},
-      {IntegratorKind::bresenham, "aecafdf387c457140b2e394555729038c93eed2db31fc51f517f61ea2abcf38c"},
-      {IntegratorKind::projective, "28fa5e9e69c01774a322287787fdac529cadb82bbcf59bb51b16999d665650ee"}};
+      {IntegratorKind::dda, "81b780aaa4d58b7e6436ab9ddfc65b927c749b9476f6af8da3892ba41108f626"},
+      {IntegratorKind::bresenham, "64acd50925a20ec55974f99293163d7a8762120adf572ea78a6730bed8ebbc5c"},
+      {IntegratorKind::projective, "5449fdf27f75bded89784004e5eb17953ee839ec246e29201f9ebf6a51e1643f"}};
   for (const auto& [kind, hash] : golden) {
     MapperConfig config;
     config.integrator = kind;

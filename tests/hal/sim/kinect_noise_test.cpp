@@ -2,10 +2,13 @@
 #include "hal/sim/kinect_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 #include <vector>
+
+#include "hal/sim/sim_building.hpp"
 
 using namespace g3d::hal;
 
@@ -114,6 +117,40 @@ TEST_CASE("a near thing throws an infrared shadow to its left") {
   // Ragged outline on the other side.
   CHECK(invalid_in_column(339) > 0.15);
   CHECK(invalid_in_column(339) < 0.5);
+}
+
+TEST_CASE("outlines are as sharp in a coarse image as in the sensor's own") {
+  const auto spoilt_at_edges = [](int width_px, int height_px) {
+    Spoilt step(3.0F);
+    step.camera = scaled_kinect(width_px, height_px);
+    step.view = ExactView(step.camera);
+    step.depth.resize(step.camera.pixel_count());
+    std::fill(step.view.surface.begin(), step.view.surface.end(), kFrontal);
+    // The near half is on the left, which throws no shadow on what is seen of the far one.
+    const auto width = static_cast<std::size_t>(width_px);
+    for (std::size_t i = 0; i < step.view.depth_m.size(); ++i)
+      step.view.depth_m[i] = i % width < width / 2 ? 1.5F : 3.0F;
+    int missing = 0;
+    int moved = 0;
+    int all = 0;
+    for (std::uint64_t frame = 0; frame < 40; ++frame) {
+      step.run(frame);
+      for (std::size_t row = 0; row < static_cast<std::size_t>(height_px); ++row) {
+        const int left = step.depth[row * width + width / 2 - 1];
+        const int right = step.depth[row * width + width / 2];
+        missing += (left == 0 ? 1 : 0) + (right == 0 ? 1 : 0);
+        moved += (left > 2300 ? 1 : 0) + (right != 0 && right < 2300 ? 1 : 0);
+        all += 2;
+      }
+    }
+    return std::array{missing / static_cast<double>(all), moved / static_cast<double>(all)};
+  };
+  const auto fine = spoilt_at_edges(640, 480);
+  CHECK(fine[0] == Approx(0.005 + 0.30).margin(0.02));
+  CHECK(fine[1] == Approx(0.70 * 0.25 / 2).margin(0.01));
+  const auto coarse = spoilt_at_edges(160, 120);
+  CHECK(coarse[0] == Approx(0.005 + 0.30 / 4).margin(0.01));
+  CHECK(coarse[1] == Approx(0.925 * 0.25 / 4 / 2).margin(0.006));
 }
 
 TEST_CASE("noise depends on seed and frame, not on threads", "[threads]") {
