@@ -12,6 +12,8 @@ LIGHT_TEST_OPT ?= $(TEST_OPT)
 SANITIZE ?=
 # What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
 COVERAGE ?=
+# `lib`, `tests` or both: these are compiled by the dozen, which takes half the time from nothing and more after a change.
+GROUPED ?=
 CCACHE := $(shell command -v ccache 2>/dev/null)
 # ccache refuses precompiled headers unless told that their time stamps may be trusted.
 export CCACHE_SLOPPINESS ?= pch_defines,time_macros
@@ -45,7 +47,40 @@ Q := $(if $(V),,@)
 SAY := @$(if $(V),true,echo)
 
 objects = $(1:%.cpp=$(BUILD)/%.o)
-LIB_OBJ := $(call objects,$(LIB_SRC)) $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
+# $(call grouped,KIND,NAME,SOURCES): their objects, or those of groups of a dozen. NAME-N stands for the Nth last source
+# and those after it; what is in a group is in members_NAME-N.
+groups = $(if $(2),$(call group,$(1)-$(words $(2)),$(wordlist 1,12,$(2))) $(call groups,$(1),$(wordlist 13,9999,$(2))))
+group = $(BUILD)/groups/$(1).o$(eval members_$(1) := $(2))
+grouped = $(if $(filter $(1),$(GROUPED)),$(call groups,$(2),$(3)),$(call objects,$(3)))
+
+# Sources that have options of their own.
+OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp
+# Where the time of a frame goes, the last optimisation counts.
+HOT_SRC := $(filter mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
+  nav/column_evidence.cpp,$(LIB_SRC))
+# Readers of outside data.
+READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
+  hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
+  $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
+READER_SRC := $(if $(COVERAGE),$(READER_SRC))
+HOT_SRC := $(if $(filter -O2,$(OPT)),$(filter-out $(READER_SRC),$(HOT_SRC)))
+READER_OBJ := $(call grouped,lib,reader,$(READER_SRC))
+HOT_OBJ := $(call grouped,lib,hot,$(HOT_SRC))
+PLAIN_OBJ := $(call grouped,lib,plain,$(filter-out $(HOT_SRC) $(READER_SRC) $(OWN_SRC),$(LIB_SRC)))
+KERNEL_OBJ := $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
+MAIN_OBJ := $(call objects,$(MAIN_SRC))
+LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KERNEL_OBJ)
+
+# Tests that compute much themselves, or have to answer in time. All others are light.
+COMPUTING_TESTS := $(addprefix tests/,hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
+  $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
+  $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
+    inflation_% navigator_% outputs_% robot_% viewpoints_%))
+LIGHT_UNIT_OBJ := $(call grouped,tests,light,$(filter-out $(COMPUTING_TESTS),$(UNIT_SRC)))
+OTHER_UNIT_OBJ := $(call grouped,tests,unit,$(filter $(COMPUTING_TESTS),$(UNIT_SRC)))
+THREAD_OBJ := $(call grouped,tests,thread,$(THREAD_SRC))
+SYSTEM_OBJ := $(call objects,$(SYSTEM_SRC))
+SUPPORT_OBJ := $(call grouped,tests,support,$(SUPPORT_SRC))
 # Catch2's own code is neither measured nor under suspicion: compiled once, for all flavours.
 RUNNER_OBJ := build/runner/main.o
 SUPPORT := $(BUILD)/libsupport.a
@@ -94,8 +129,9 @@ $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $
 # One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
 # To optimise an instrumented test takes clang a second or two, which most tests never win back.
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" LIGHT_TEST_OPT="-O0 -g1" \
-  SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link
-TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread"
+  SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link \
+  GROUPED="lib tests"
+TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread" GROUPED="lib tests"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
 FUZZ_RUNS ?= 5000
@@ -111,12 +147,12 @@ all: $(EXE) ## the program: build/host/g3dmap, one static executable
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
-$(EXE): $(call objects,$(MAIN_SRC)) $(LIB)
+$(EXE): $(MAIN_OBJ) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
 $(LIB): $(LIB_OBJ)
-$(SUPPORT): $(call objects,$(SUPPORT_SRC))
+$(SUPPORT): $(SUPPORT_OBJ)
 $(LIB) $(SUPPORT):
 	@rm -f $@
 	@$(AR) rcs $@ $^
@@ -129,15 +165,15 @@ $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cu
 	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
 $(BUILD)/unit_tests $(BUILD)/thread_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
-$(BUILD)/unit_tests: $(RUNNER_OBJ) $(call objects,$(UNIT_SRC)) $(SUPPORT) $(LIB)
+$(BUILD)/unit_tests: $(RUNNER_OBJ) $(LIGHT_UNIT_OBJ) $(OTHER_UNIT_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
-$(BUILD)/thread_tests: $(RUNNER_OBJ) $(call objects,$(THREAD_SRC)) $(SUPPORT) $(LIB)
+$(BUILD)/thread_tests: $(RUNNER_OBJ) $(THREAD_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
-$(BUILD)/system_tests: $(RUNNER_OBJ) $(call objects,$(SYSTEM_SRC)) $(SUPPORT) $(LIB)
+$(BUILD)/system_tests: $(RUNNER_OBJ) $(SYSTEM_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
@@ -226,15 +262,6 @@ force:
 $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
 
-# Tests that compute much themselves, or have to answer in time. All others are light.
-COMPUTING_TESTS := $(addprefix tests/,hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
-  $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
-  $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
-    inflation_% navigator_% outputs_% robot_% viewpoints_%))
-LIGHT_TEST_SRC := $(filter-out $(COMPUTING_TESTS),$(UNIT_SRC))
-LIGHT_TEST_OBJ := $(call objects,$(LIGHT_TEST_SRC))
-TEST_OBJ := $(call objects,$(filter-out $(LIGHT_TEST_SRC),$(UNIT_SRC) $(SYSTEM_SRC)) $(SUPPORT_SRC))
-
 # Catch2 is parsed once for each set of options, not once per test file: a precompiled header wants the same options as
 # its users.
 LIGHT_PCH := $(if $(filter-out $(TEST_OPT),$(LIGHT_TEST_OPT)),$(BUILD)/tests/light/precompiled.hpp,$(PCH))
@@ -247,23 +274,17 @@ $(sort $(PCH).gch $(LIGHT_PCH).gch $(COMMON).gch):
 	@cp $< $(basename $@)
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(basename $@).d -x c++-header -o $@ $<
 precompiled = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(1)
+TEST_OBJ := $(sort $(OTHER_UNIT_OBJ) $(THREAD_OBJ) $(SYSTEM_OBJ) $(SUPPORT_OBJ))
 $(TEST_OBJ): private FLAGS += $(TEST_OPT) $(call precompiled,$(PCH))
 $(TEST_OBJ): $(PCH).gch
-$(LIGHT_TEST_OBJ): private FLAGS += $(LIGHT_TEST_OPT) $(call precompiled,$(LIGHT_PCH))
-$(LIGHT_TEST_OBJ): $(LIGHT_PCH).gch
-# Where the time of a frame goes, the last optimisation counts.
-HOT := $(addprefix $(BUILD)/,mapper/cpu/% mapper/cuda/mirror.o hal/sim/% nav/astar.o nav/distance_field.o nav/inflation.o nav/column_evidence.o)
-$(filter $(HOT),$(LIB_OBJ)): private OPT := $(subst -O2,-O3,$(OPT))
+$(LIGHT_UNIT_OBJ): private FLAGS += $(LIGHT_TEST_OPT) $(call precompiled,$(LIGHT_PCH))
+$(LIGHT_UNIT_OBJ): $(LIGHT_PCH).gch
 
-READERS := $(addprefix $(BUILD)/,board/% hal/image/% hal/replay/% mapper/files/% tests/fuzz/% \
-  hal/sim/text_fields.o hal/sim/world_file.o hal/sim/map_world.o hal/sim/camera_path.o \
-  $(addprefix hal/kobuki/,command.o feedback_codec.o frame_scanner.o odometry.o packet_gates.o packet_reader.o))
-$(filter $(READERS),$(LIB_OBJ) $(call objects,$(FUZZ_SRC))): private COVERED := $(COVERAGE)
-
+$(HOT_OBJ) $(KERNEL_OBJ): private OPT := $(subst -O2,-O3,$(OPT))
+$(READER_OBJ) $(call objects,$(FUZZ_SRC)): private COVERED := $(COVERAGE)
 # Sources whose options are those of the header.
-PLAIN_OBJ := $(filter-out $(HOT) $(if $(COVERAGE),$(READERS)) %/version.o %/carried.o,$(call objects,$(LIB_SRC) $(MAIN_SRC)))
-$(PLAIN_OBJ): private FLAGS += $(call precompiled,$(COMMON))
-$(PLAIN_OBJ): $(COMMON).gch
+$(PLAIN_OBJ) $(MAIN_OBJ): private FLAGS += $(call precompiled,$(COMMON))
+$(PLAIN_OBJ) $(MAIN_OBJ): $(COMMON).gch
 
 $(RUNNER_OBJ): tests/main.cpp
 	@mkdir -p $(@D)
@@ -280,6 +301,16 @@ $(foreach v,$(KERNEL_VARIANTS),$(eval $(call kernel_rule,$(v))))
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
+	$(SAY) $@
+	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
+
+# Written anew only if something else belongs in it.
+GROUP_OBJ := $(sort $(filter $(BUILD)/groups/%,$(LIB_OBJ) $(LIGHT_UNIT_OBJ) $(TEST_OBJ)))
+$(GROUP_OBJ:.o=.cpp): $(BUILD)/groups/%.cpp: force
+	@mkdir -p $(@D)
+	@$(if $(filter tests/%_test.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.new
+	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+$(GROUP_OBJ): %.o: %.cpp
 	$(SAY) $@
 	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
 

@@ -12,6 +12,7 @@ namespace g3d::hal {
 
 /// Nanoseconds since the source's epoch; real clocks are monotonic, logs use the log's own time.
 using TimeNs = std::int64_t;
+inline constexpr TimeNs kMillisecond_ns = 1'000'000;
 
 /// Pinhole intrinsics and depth scale of one camera; colour is registered to depth.
 struct CameraModel {

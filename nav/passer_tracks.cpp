@@ -15,7 +15,7 @@ constexpr double kVelocityTime_s = 0.4;  // and a velocity
 constexpr double kBehind_m = 0.3;        // looked through so far beyond his place: he is not there
 constexpr double kStride_m = 0.05;       // of looking for walls in his way
 
-double seconds(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
+double seconds_between(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 hal::TimeNs after(hal::TimeNs from, double s) { return from + static_cast<hal::TimeNs>(s * 1e9); }
 
 }  // namespace
@@ -60,7 +60,7 @@ PasserTracks::Track* PasserTracks::nearest(const Sight& sight, bool must_have_wa
   double least_m = config_.gate_m;
   for (Track& track : tracks_) {
     if (track.ends_ns <= now || track.seen_ns == now || (must_have_walked && !track.has_walked)) continue;
-    const double s = seconds(track.seen_ns, now);
+    const double s = seconds_between(track.seen_ns, now);
     const double away_m =
         std::hypot(track.x_m + s * track.vx_mps - sight.x_m, track.y_m + s * track.vy_mps - sight.y_m);
     if (away_m >= least_m) continue;
@@ -76,7 +76,7 @@ PasserTracks::Track& PasserTracks::oldest() {
 }
 
 void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) const {
-  const double s = seconds(track.seen_ns, now);
+  const double s = seconds_between(track.seen_ns, now);
   const double place_share = 1.0 - std::exp(-s / kPlaceTime_s);
   const double velocity_share = 1.0 - std::exp(-s / kVelocityTime_s);
   const double ahead_x_m = track.x_m + s * track.vx_mps;
@@ -98,13 +98,13 @@ void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) con
 
 bool PasserTracks::is_walking(const Track& track) const {
   const double speed_mps = std::hypot(track.vx_mps, track.vy_mps);
-  return seconds(track.first_ns, track.seen_ns) >= config_.known_after_s && speed_mps >= config_.least_mps &&
+  return seconds_between(track.first_ns, track.seen_ns) >= config_.known_after_s && speed_mps >= config_.least_mps &&
          speed_mps <= config_.most_mps;
 }
 
 PasserTracks::Guess PasserTracks::guess(const Track& track, hal::TimeNs now) const {
   if (!is_walking(track)) return {track.x_m, track.y_m, 0.0, 0.0};
-  const double s = seconds(track.seen_ns, now);
+  const double s = seconds_between(track.seen_ns, now);
   return {track.x_m + s * track.vx_mps, track.y_m + s * track.vy_mps, track.vx_mps, track.vy_mps};
 }
 
@@ -169,7 +169,7 @@ bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
     const Guess at = guess(track, now);
     const double square_m2ps2 = at.vx_mps * at.vx_mps + at.vy_mps * at.vy_mps;
     const bool walks = square_m2ps2 > 0.0;
-    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * seconds(track.seen_ns, now) : 0.0);
+    const double radius_m = config_.radius_m + (walks ? config_.doubt_mps * seconds_between(track.seen_ns, now) : 0.0);
     const double from_x_m = x_m - at.x_m;
     const double from_y_m = y_m - at.y_m;
     const double along_s =

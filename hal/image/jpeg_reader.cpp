@@ -149,7 +149,7 @@ bool JpegReader::Decoder::decode(std::span<const std::uint8_t> file, ImageSize e
 
 namespace {
 
-Error unusable(std::string_view name, Reason reason, const char* message) {
+Error unusable_jpeg(std::string_view name, Reason reason, const char* message) {
   return {reason, fmt::format("{}: not a usable JPEG: {}; copy or record it again", name, message)};
 }
 
@@ -159,7 +159,7 @@ JpegReader::JpegReader() : decoder_(std::make_unique<Decoder>()) {}
 JpegReader::~JpegReader() = default;
 
 Result<ImageSize> JpegReader::size(std::span<const std::uint8_t> file, std::string_view name) {
-  if (!decoder_->decode(file, {}, nullptr)) return unusable(name, decoder_->reason, decoder_->message);
+  if (!decoder_->decode(file, {}, nullptr)) return unusable_jpeg(name, decoder_->reason, decoder_->message);
   return decoder_->size;
 }
 
@@ -168,7 +168,7 @@ Result<void> JpegReader::decode_rgb(std::span<const std::uint8_t> file, std::str
   assert(rgb.size() == 3 * expected.pixel_count());
   if (decoder_->decode(file, expected, rgb.data())) return {};
   if (decoder_->reason == Reason::out_of_range) return wrong_size_error(name, decoder_->size, expected);
-  return unusable(name, decoder_->reason, decoder_->message);
+  return unusable_jpeg(name, decoder_->reason, decoder_->message);
 }
 
 }  // namespace g3d::hal

@@ -162,7 +162,7 @@ bool PngReader::Decoder::decode(Target target, ImageSize expected, std::uint8_t*
 
 namespace {
 
-Error unusable(std::string_view name, Reason reason, const char* message) {
+Error unusable_png(std::string_view name, Reason reason, const char* message) {
   return {reason, fmt::format("{}: not a usable PNG: {}; copy or record it again", name, message)};
 }
 
@@ -173,7 +173,7 @@ PngReader::~PngReader() = default;
 
 Result<ImageSize> PngReader::size(std::span<const std::uint8_t> file, std::string_view name) {
   decoder_->begin(file);
-  if (!decoder_->decode(Target::size_only, {}, nullptr)) return unusable(name, decoder_->reason, decoder_->message);
+  if (!decoder_->decode(Target::size_only, {}, nullptr)) return unusable_png(name, decoder_->reason, decoder_->message);
   return decoder_->size;
 }
 
@@ -183,7 +183,7 @@ Result<void> PngReader::decode_depth(std::span<const std::uint8_t> file, std::st
   decoder_->begin(file);
   if (decoder_->decode(Target::depth16, expected, reinterpret_cast<std::uint8_t*>(depth.data()))) return {};
   if (decoder_->reason == Reason::out_of_range) return wrong_size_error(name, decoder_->size, expected);
-  return unusable(name, decoder_->reason, decoder_->message);
+  return unusable_png(name, decoder_->reason, decoder_->message);
 }
 
 Result<void> PngReader::decode_rgb(std::span<const std::uint8_t> file, std::string_view name, ImageSize expected,
@@ -192,7 +192,7 @@ Result<void> PngReader::decode_rgb(std::span<const std::uint8_t> file, std::stri
   decoder_->begin(file);
   if (decoder_->decode(Target::rgb8, expected, rgb.data())) return {};
   if (decoder_->reason == Reason::out_of_range) return wrong_size_error(name, decoder_->size, expected);
-  return unusable(name, decoder_->reason, decoder_->message);
+  return unusable_png(name, decoder_->reason, decoder_->message);
 }
 
 }  // namespace g3d::hal

@@ -7,9 +7,8 @@
 namespace g3d::hal::kobuki {
 namespace {
 
-constexpr TimeNs kMs = 1'000'000;
-constexpr TimeNs kAskAgain_ns = 500 * kMs;
-constexpr TimeNs kRepeatOutputs_ns = 1'000 * kMs;  // a lost frame must not leave the LEDs wrong
+constexpr TimeNs kAskAgain_ns = 500 * kMillisecond_ns;
+constexpr TimeNs kRepeatOutputs_ns = 1'000 * kMillisecond_ns;  // a lost frame must not leave the LEDs wrong
 constexpr std::uint8_t kFirmwareMajor = 1;
 
 bool is_still(const Twist& twist) { return twist.forward_mps == 0.0 && twist.turn_radps == 0.0; }

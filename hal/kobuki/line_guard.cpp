@@ -35,7 +35,6 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "a lock would not
 
 constexpr char kNewLine = 'L';
 constexpr char kGoodEnd = 'E';
-constexpr TimeNs kMs = 1'000'000;
 
 Error failed(const char* call) {
   const char* const why = ::strerrordesc_np(errno);
@@ -125,7 +124,8 @@ void LineGuard::watch(int line_fd, int socket, pid_t parent, Shared& shared, con
   for (;;) {
     std::array<pollfd, 2> polled{{{socket, POLLIN, 0}, {line_fd, 0, 0}}};
     const TimeNs wait_ns = main == Main::beating ? times.period_ns / 2 : next_zero_ns - clock.now();
-    (void)::poll(polled.data(), polled.size(), static_cast<int>(std::clamp<TimeNs>((wait_ns + kMs - 1) / kMs, 0, 100)));
+    (void)::poll(polled.data(), polled.size(),
+                 static_cast<int>(std::clamp<TimeNs>((wait_ns + kMillisecond_ns - 1) / kMillisecond_ns, 0, 100)));
 
     char word = ' ';
     if (polled[0].revents != 0) {
@@ -161,7 +161,7 @@ void LineGuard::watch(int line_fd, int socket, pid_t parent, Shared& shared, con
     if (main == Main::beating || now_ns < next_zero_ns) continue;
     next_zero_ns = now_ns + times.period_ns;
     const bool over = main == Main::dead || main == Main::gone_well;
-    if (over && now_ns - beat_ns > 30'000 * kMs) ::_exit(1);  // a line that takes nothing
+    if (over && now_ns - beat_ns > 30'000 * kMillisecond_ns) ::_exit(1);  // a line that takes nothing
     if (line_fd < 0 || ::write(line_fd, kZeroSpeedPacket.data(), kZeroSpeedPacket.size()) <= 0) continue;
     shared.zeros_sent.fetch_add(1, std::memory_order_relaxed);  // single writer; a mere count
     if (over) ++zeros;
@@ -207,8 +207,8 @@ LineGuard::~LineGuard() {
   if (shared_ == nullptr) return;
   (void)send_word(socket_, kGoodEnd, -1);
   RealClock clock;
-  const TimeNs patience_ns = clock.now() + 1'000 * kMs;
-  while (alive() && clock.now() < patience_ns) clock.sleep_until(clock.now() + 5 * kMs);
+  const TimeNs patience_ns = clock.now() + 1'000 * kMillisecond_ns;
+  while (alive() && clock.now() < patience_ns) clock.sleep_until(clock.now() + 5 * kMillisecond_ns);
   if (process_ > 0) {
     ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);

@@ -7,16 +7,15 @@
 namespace g3d::hal::kobuki {
 namespace {
 
-constexpr TimeNs kMs = 1'000'000;
 // The two quartzes differ; by less than this, or the fastest packet of an hour ago would make all later ones old.
 constexpr TimeNs kMaxDrift_ppm = 500;
-constexpr TimeNs kRestart_ns = 2'000 * kMs;  // clocks that disagree by more: the base began anew
+constexpr TimeNs kRestart_ns = 2'000 * kMillisecond_ns;  // clocks that disagree by more: the base began anew
 
 }  // namespace
 
 TimeNs LinkDelay::update(const Feedback& feedback) {
   const TimeNs received_step_ns = feedback.received_ns - last_received_ns_;
-  const TimeNs base_step_ns = static_cast<std::uint16_t>(feedback.timestamp_ms - last_stamp_ms_) * kMs;
+  const TimeNs base_step_ns = static_cast<std::uint16_t>(feedback.timestamp_ms - last_stamp_ms_) * kMillisecond_ns;
   const bool restarted = !started_ || std::abs(received_step_ns - base_step_ns) > kRestart_ns;
   last_stamp_ms_ = feedback.timestamp_ms;
   last_received_ns_ = feedback.received_ns;

@@ -14,7 +14,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadPerCdeg = kPi / 18'000.0;
 constexpr TimeNs kStale_ns = 100'000'000;
-constexpr TimeNs kMs_ns = 1'000'000;
 constexpr int kStampWrap_ms = 65'536;
 constexpr int kLongestGap_ms = 2'000;
 /// After this long without a tick the base rests, and has stopped swaying; a gyro drifts by less than this much.
@@ -40,7 +39,7 @@ double wrapped(double angle_rad) {
 
 void Odometry::update(const Feedback& feedback) {
   if (last_ && feedback.timestamp_ms == last_->timestamp_ms &&
-      feedback.received_ns - last_->received_ns < kStampWrap_ms / 2 * kMs_ns) {
+      feedback.received_ns - last_->received_ns < kStampWrap_ms / 2 * kMillisecond_ns) {
     ++counts_.duplicates;
     if (feedback.received_ns - moved_ns_ > kStale_ns) velocity_ = {};
     return;
@@ -61,7 +60,7 @@ std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback)
   Step step{ms_between(*last_, feedback), ticks_between(last_->left_encoder_ticks, feedback.left_encoder_ticks),
             ticks_between(last_->right_encoder_ticks, feedback.right_encoder_ticks),
             angle_between_cdeg(last_->gyro_angle_cdeg, feedback.gyro_angle_cdeg)};
-  const std::int64_t waited_ms = (feedback.received_ns - last_->received_ns) / kMs_ns;
+  const std::int64_t waited_ms = (feedback.received_ns - last_->received_ns) / kMillisecond_ns;
   if (step.elapsed_ms > kMaxTimeStep_ms) {
     // A gap, or one packet with a wrong stamp, whose undoing looks like a step back; else the base began anew.
     const bool went_on = std::abs(waited_ms - step.elapsed_ms) <= kStampSlack_ms;

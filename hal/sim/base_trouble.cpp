@@ -4,8 +4,7 @@
 namespace g3d::hal {
 namespace {
 
-constexpr TimeNs kMs = 1'000'000;
-constexpr TimeNs kLate_ns = 150 * kMs;
+constexpr TimeNs kLate_ns = 150 * kMillisecond_ns;
 constexpr double kGarbled = 0.1, kNoisy = 0.001, kLossy = 0.0005;
 
 bool now_and_then(TimeNs since_ns, TimeNs on_ns, TimeNs period_ns) { return since_ns % period_ns < on_ns; }
@@ -32,7 +31,8 @@ void spoil_odometry(const FaultNow& now, BaseTrouble& trouble) {
       trouble.to_host.latency_ns = kLate_ns;
       return;
     case FaultKind::intermittent:
-      faults.left_dead = faults.right_dead = now_and_then(now.since_ns, 1'000 * kMs, 2'000 * kMs);
+      faults.left_dead = faults.right_dead =
+          now_and_then(now.since_ns, 1'000 * kMillisecond_ns, 2'000 * kMillisecond_ns);
       return;
     case FaultKind::none:
     case FaultKind::count_:
@@ -62,7 +62,7 @@ void spoil_line(const FaultNow& now, BaseTrouble& trouble) {
       trouble.to_host.latency_ns = trouble.to_base.latency_ns = kLate_ns;
       return;
     case FaultKind::intermittent:
-      trouble.faults.unplugged = now_and_then(now.since_ns, 300 * kMs, 1'000 * kMs);
+      trouble.faults.unplugged = now_and_then(now.since_ns, 300 * kMillisecond_ns, 1'000 * kMillisecond_ns);
       return;
     case FaultKind::none:
     case FaultKind::count_:

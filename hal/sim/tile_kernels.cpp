@@ -12,37 +12,37 @@ inline float smaller(float a, float b) { return a < b ? a : b; }
 inline float larger(float a, float b) { return a > b ? a : b; }
 inline float away_from_zero(float d) { return d < 0.0F ? smaller(d, -kTiny) : larger(d, kTiny); }
 
-struct Interval {
+struct Span {
   float from;
   float to;
 };
 
-inline Interval slab(float origin, float direction, float half) {
+inline Span slab(float origin, float direction, float half) {
   const float inverse = 1.0F / away_from_zero(direction);
   const float a = (-half - origin) * inverse;
   const float b = (half - origin) * inverse;
   return {smaller(a, b), larger(a, b)};
 }
 
-inline Interval common(Interval a, Interval b) { return {larger(a.from, b.from), smaller(a.to, b.to)}; }
+inline Span common(Span a, Span b) { return {larger(a.from, b.from), smaller(a.to, b.to)}; }
 
 /// For a ray along the axis of an upright solid: the roots become far away instead of undefined.
 constexpr float kTinySquare = 1e-12F;
 
 /// Roots of a t^2 + 2 b t + c <= 0 for a > 0, from a discriminant that was computed without cancellation.
-inline Interval between_roots(float a, float b, float discriminant) {
+inline Span between_roots(float a, float b, float discriminant) {
   const float root = std::sqrt(larger(discriminant, 0.0F));
   const float inverse = 1.0F / a;
   const float nowhere = discriminant < 0.0F ? kNoDepth_m : 0.0F;
   return {(-b - root) * inverse + nowhere, (-b + root) * inverse - nowhere};
 }
 
-inline Interval box_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline Span box_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   return common(common(slab(s.origin[0], dx, s.half[0]), slab(s.origin[1], dy, s.half[1])),
                 slab(s.origin[2], dz, s.half[2]));
 }
 
-inline Interval sphere_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline Span sphere_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float a = dx * dx + dy * dy + dz * dz;
   const float b = s.origin[0] * dx + s.origin[1] * dy + s.origin[2] * dz;
   // |o x d|^2 instead of |o|^2 |d|^2 - (o d)^2: the small difference of large numbers would drown a thin solid.
@@ -52,14 +52,14 @@ inline Interval sphere_interval(const PreparedSolid& s, float dx, float dy, floa
   return between_roots(a, b, s.radius * s.radius * a - (cx * cx + cy * cy + cz * cz));
 }
 
-inline Interval cylinder_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline Span cylinder_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float a = larger(dx * dx + dy * dy, kTinySquare);
   const float b = s.origin[0] * dx + s.origin[1] * dy;
   const float cross = s.origin[0] * dy - s.origin[1] * dx;
   return common(between_roots(a, b, s.radius * s.radius * a - cross * cross), slab(s.origin[2], dz, s.half[2]));
 }
 
-inline Interval cone_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline Span cone_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float radius = s.radius + s.slope * s.origin[2];
   const float m = s.slope * dz;
   const float a = dx * dx + dy * dy - m * m;
@@ -91,7 +91,7 @@ inline void cast_all(const PreparedSolid& s, std::int32_t place, const TileRays&
   for (std::size_t i = 0; i < kTilePixels; ++i) {
     const float dx = c * rays.x[i] + sn * rays.y[i];
     const float dy = c * rays.y[i] - sn * rays.x[i];
-    const Interval part = interval_of(s, dx, dy, rays.z[i]);
+    const Span part = interval_of(s, dx, dy, rays.z[i]);
     const float t = larger(part.from, 0.0F);
     const float before = hits.depth_m[i];
     const bool nearer = (part.from <= part.to) & (part.to >= 0.0F) & (t < before);

@@ -15,7 +15,7 @@ constexpr float kLargestStepInTile = 0.03F;
 constexpr float kLargestBend = 0.012F;
 constexpr int kNormalReach_tiles = 2;
 // Seen flatter than this, a surface is measured too badly.
-constexpr float kLeastCosine = 0.17F;
+constexpr float kLeastCosineToRay = 0.17F;
 constexpr std::size_t kPlaces = 1U << 14;
 
 // Noise of a Kinect's depth (Nguyen, Izadi and Lovell 2012): sigma = 1.2 mm + 1.9 mm (z - 0.4)^2.
@@ -123,7 +123,7 @@ void DepthSamples::find_normals() {
       const Vector3f p = point(r, c, w);
       const float range = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
       const float cosine = -(n[0] * p[0] + n[1] * p[1] + n[2] * p[2]) / range;
-      if (cosine < kLeastCosine) continue;
+      if (cosine < kLeastCosineToRay) continue;
       // An error in depth moves the point along its ray; only the part along the normal counts.
       const float sigma_m = depth_sigma_m(p[2]) * cosine + 0.001F;
       samples_[sample_count_++] = {p, n, 1e-6F / (sigma_m * sigma_m)};

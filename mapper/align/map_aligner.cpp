@@ -39,8 +39,8 @@ constexpr double kRivals = 0.93;
 // The weakest direction must have this share of the surface facing along it.
 constexpr double kLeastHold = 0.02;
 
-constexpr std::array<const char*, 6> kNames{"aligned",      "too_little", "little_overlap",
-                                            "contradicted", "unfixed",    "ambiguous"};
+constexpr std::array<const char*, 6> kOutcomeNames{"aligned",      "too_little", "little_overlap",
+                                                   "contradicted", "unfixed",    "ambiguous"};
 
 /// What stands: floors and ceilings fit everywhere and say nothing about the place.
 std::vector<DepthSample> upright(const std::vector<DepthSample>& samples) {
@@ -200,7 +200,7 @@ bool is_fixed(const std::vector<DepthSample>& samples, const SurfaceMap& surface
 
 }  // namespace
 
-const char* to_string(MapAlignOutcome outcome) { return kNames[static_cast<std::size_t>(outcome)]; }
+const char* to_string(MapAlignOutcome outcome) { return kOutcomeNames[static_cast<std::size_t>(outcome)]; }
 
 MapAlignment align_maps(const MapSurfaces& a, const MapSurfaces& b, const hal::Pose& guess,
                         const MapAlignOptions& options) {

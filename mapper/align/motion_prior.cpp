@@ -4,7 +4,7 @@
 namespace g3d::mapper::align {
 namespace {
 
-constexpr std::array<const char*, 2> kNames{"planar", "free"};
+constexpr std::array<const char*, 2> kMotionNames{"planar", "free"};
 double square(double x) { return x * x; }
 
 void hold_to_floor(const OdometryNoise& noise, double dt_s, Matrix6& information) {
@@ -17,11 +17,11 @@ void hold_to_floor(const OdometryNoise& noise, double dt_s, Matrix6& information
 
 }  // namespace
 
-const char* to_string(Motion motion) { return kNames[static_cast<std::size_t>(motion)]; }
+const char* to_string(Motion motion) { return kMotionNames[static_cast<std::size_t>(motion)]; }
 
 std::optional<Motion> motion_from_string(std::string_view name) {
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i]) return static_cast<Motion>(i);
+  for (std::size_t i = 0; i < kMotionNames.size(); ++i) {
+    if (name == kMotionNames[i]) return static_cast<Motion>(i);
   }
   return std::nullopt;
 }

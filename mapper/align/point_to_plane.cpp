@@ -4,7 +4,7 @@
 namespace g3d::mapper::align {
 namespace {
 // Surfaces that face more than 37 degrees apart are not the same one.
-constexpr float kLeastCosine = 0.8F;
+constexpr float kLeastCosineOfNormals = 0.8F;
 }  // namespace
 
 NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surfaces, const hal::Pose& T_world_camera,
@@ -17,7 +17,7 @@ NormalSums match(std::span<const DepthSample> samples, const SurfaceMap& surface
     const Vector3f n = rotated(T, sample.normal);
     const Vector3f at{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]};
     const auto piece = surfaces.find(at, n, born_by_ns);
-    if (!piece || dot(piece->normal, n) < kLeastCosine) continue;
+    if (!piece || dot(piece->normal, n) < kLeastCosineOfNormals) continue;
     const Vector3f& f = piece->normal;
     const float r = dot(f, {at[0] - piece->point_m[0], at[1] - piece->point_m[1], at[2] - piece->point_m[2]});
     const float share = ceiling / (ceiling + r * r);

@@ -8,12 +8,14 @@
 namespace g3d::mapper::cpu {
 namespace {
 
-constexpr int kRowsPerChunk = 64;
+constexpr int kImageRowsPerChunk = 64;
 constexpr float kLargestWindow =
     static_cast<float>(kMaxWindow) + 0.5F;  // cells; larger ones are looked up a level higher
 constexpr int kFirstWindowAbove = 4;  // windows of 1..3 cells of level L are those of 2..6 cells below it, but coarser
 
-std::uint32_t chunks_of(int rows) { return static_cast<std::uint32_t>((rows + kRowsPerChunk - 1) / kRowsPerChunk); }
+std::uint32_t chunks_of(int rows) {
+  return static_cast<std::uint32_t>((rows + kImageRowsPerChunk - 1) / kImageRowsPerChunk);
+}
 
 }  // namespace
 
@@ -89,8 +91,8 @@ void FootprintImages::widen(int l, int from, int to, const Kernels& kernels, Thr
   const int rows = level.rows - shift;
   const int count = level.stride - shift;
   pool.parallel_for(chunks_of(rows), [&](std::uint32_t chunk) {
-    const int first = static_cast<int>(chunk) * kRowsPerChunk;
-    for (int y = first; y < std::min(rows, first + kRowsPerChunk); ++y) {
+    const int first = static_cast<int>(chunk) * kImageRowsPerChunk;
+    for (int y = first; y < std::min(rows, first + kImageRowsPerChunk); ++y) {
       kernels.max_filter_row(source + y * level.stride, source + (y + shift) * level.stride, shift, count,
                              target + y * level.stride);
     }
@@ -103,8 +105,8 @@ void FootprintImages::halve(int l, const Kernels& kernels, ThreadPool& pool) {
   const std::uint16_t* source = image({l - 1, 1});
   std::uint16_t* target = images_[static_cast<std::size_t>(l)][1].data();
   pool.parallel_for(chunks_of(level.height), [&](std::uint32_t chunk) {
-    const int first = static_cast<int>(chunk) * kRowsPerChunk;
-    for (int y = first; y < std::min(level.height, first + kRowsPerChunk); ++y) {
+    const int first = static_cast<int>(chunk) * kImageRowsPerChunk;
+    for (int y = first; y < std::min(level.height, first + kImageRowsPerChunk); ++y) {
       // Below an odd last row lies padding: zeros, which a maximum ignores.
       const std::uint16_t* a = source + (2 * y + kImagePadding) * below.stride + kImagePadding;
       kernels.halve_max_row(a, a + below.stride, level.width,

@@ -8,7 +8,7 @@
 namespace g3d::mapper::cpu {
 namespace {
 
-constexpr int kRowsPerChunk = 16;
+constexpr int kHitRowsPerChunk = 16;
 
 template <std::size_t... I>
 std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t count, std::index_sequence<I...>) {
@@ -19,8 +19,8 @@ std::array<ReservedArray<std::uint32_t>, sizeof...(I)> reserve_each(std::size_t 
 
 HitScatter::HitScatter(const SensorGeometry& sensor)
     : sensor_(&sensor),
-      chunks_((sensor.camera.height_px + kRowsPerChunk - 1) / kRowsPerChunk),
-      runs_per_list_(static_cast<std::size_t>(kRowsPerChunk) * static_cast<std::size_t>(sensor.camera.width_px)),
+      chunks_((sensor.camera.height_px + kHitRowsPerChunk - 1) / kHitRowsPerChunk),
+      runs_per_list_(static_cast<std::size_t>(kHitRowsPerChunk) * static_cast<std::size_t>(sensor.camera.width_px)),
       runs_(static_cast<std::size_t>(chunks_) * kShards * runs_per_list_),
       run_counts_(static_cast<std::size_t>(chunks_) * kShards, 0),
       record_of_block_(sensor.max_box_blocks()),
@@ -61,8 +61,8 @@ template <typename Emit>
 void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
                           const Kernels& kernels, Emit&& emit) {
   const int width = sensor_->camera.width_px;
-  const int first = chunk * kRowsPerChunk;
-  const int last = std::min(first + kRowsPerChunk, sensor_->camera.height_px);
+  const int first = chunk * kHitRowsPerChunk;
+  const int last = std::min(first + kHitRowsPerChunk, sensor_->camera.height_px);
   const auto& R = frame.rotation;
   std::array<std::uint8_t, hal::kMaxImageSide_px + 64> starts;
   std::fill(starts.begin() + width, starts.begin() + width + 64, std::uint8_t{0});  // nothing begins beyond the row

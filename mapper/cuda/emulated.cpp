@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::uint32_t kRoom = 512;  // little, so that tests see more than one round
 constexpr std::uint32_t kClassRoom = 2048;
-constexpr std::uint32_t kRayRoom = 500;
+constexpr std::uint32_t kFewRays = 500;
 constexpr std::uint32_t kLookRoom = 3;
-constexpr std::uint32_t kColumnRoom = 100;
+constexpr std::uint32_t kFewColumns = 100;
 
 MemorySizes with_little_room(MemorySizes sizes) {
-  sizes.rays = std::min(sizes.rays, kRayRoom);
+  sizes.rays = std::min(sizes.rays, kFewRays);
   sizes.looks = std::min(sizes.looks, kLookRoom);
-  sizes.columns = std::min(sizes.columns, kColumnRoom);
+  sizes.columns = std::min(sizes.columns, kFewColumns);
   return sizes;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Rgb kUnknown{0.56F, 0.58F, 0.61F};
 constexpr Rgb kFree{0.96F, 0.96F, 0.94F};
-constexpr Rgb kTrajectory{0.90F, 0.16F, 0.35F};
+constexpr Rgb kWay{0.90F, 0.16F, 0.35F};
 constexpr std::int32_t kMaxSide_cells = 8192;
 
 struct Column {
@@ -115,7 +115,7 @@ std::vector<std::uint8_t> render_top(const VoxelMap& map, const RenderOptions& o
                       static_cast<float>(pose.translation_m[1] / r + 32768.0 - columns.low_y));
   };
   for (std::size_t i = 1; i < options.trajectory.size(); ++i) {
-    picture.draw_line(place(options.trajectory[i - 1]), place(options.trajectory[i]), 3.5F, kTrajectory);
+    picture.draw_line(place(options.trajectory[i - 1]), place(options.trajectory[i]), 3.5F, kWay);
   }
   return picture.halved();
 }

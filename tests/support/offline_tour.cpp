@@ -16,13 +16,13 @@ using Mask = CellGrid<std::uint8_t>;
 namespace {
 
 TourPlace look_from(const Mask& solid, const Mask& observable, Cell at) {
-  constexpr int kRays = 512;
+  constexpr int kDirections = 512;
   TourPlace place;
   const double x = place.x_m = solid.centre_x_m(at);
   const double y = place.y_m = solid.centre_y_m(at);
   std::vector<std::uint32_t> ray;
-  for (int k = 0; k < kRays; ++k) {
-    const double angle = (k + 0.5) * (6.283185307179586 / kRays);
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = (k + 0.5) * (6.283185307179586 / kDirections);
     ray.clear();
     double hit = 1e9;
     walk_ray(solid, x, y, std::cos(angle), std::sin(angle), 3.5, [&](std::size_t i, double distance) {
@@ -34,7 +34,7 @@ TourPlace look_from(const Mask& solid, const Mask& observable, Cell at) {
     if (hit < 0.8) continue;
     for (const std::uint32_t i : ray) {
       place.cells.push_back(i);
-      place.bearing.push_back(static_cast<std::uint8_t>(k * kTourBearings / kRays));
+      place.bearing.push_back(static_cast<std::uint8_t>(k * kTourBearings / kDirections));
     }
   }
   return place;
