@@ -31,9 +31,10 @@ Placing::Placing(const std::optional<mapper::align::AlignOptions>& options, cons
     : aligner_(options ? std::make_unique<mapper::align::Aligner>(*options, camera) : nullptr),
       T_camera_base_(hal::inverse(T_base_camera)) {}
 
-void Placing::place(const hal::Frame& frame, Sight& sight) {
+void Placing::place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight) {
   if (aligner_ == nullptr) return;
-  sight.T_world_camera = aligner_->align(frame, sight.T_world_camera).T_world_camera;
+  const mapper::align::SeenSpace space(map);
+  sight.T_world_camera = aligner_->align(frame, sight.T_world_camera, &space).T_world_camera;
   const hal::PlanarPose T_world_base = on_plane(hal::compose(sight.T_world_camera, T_camera_base_));
   T_world_odometry_ = compose(T_world_base, inverse(sight.T_world_base));
   sight.T_world_base = T_world_base;

@@ -30,7 +30,8 @@ class Placing {
           const hal::Pose& T_base_camera);
 
   /// Frames in their order. `sight`, which is not refused, has the poses of odometry and gets the corrected ones.
-  void place(const hal::Frame& frame, Sight& sight);
+  /// `map`: of the frames before, not written to meanwhile.
+  void place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight);
   [[nodiscard]] const hal::PlanarPose& T_world_odometry() const { return T_world_odometry_; }
   /// Nothing if odometry is believed.
   [[nodiscard]] const mapper::align::Aligner* aligner() const { return aligner_.get(); }

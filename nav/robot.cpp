@@ -57,7 +57,7 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
     return;
   }
   const hal::TimeNs align_start_ns = clock_.now();
-  placing_.place(frame, sight);
+  placing_.place(frame, mapper_.map(), sight);
   align_times_.add(clock_.now() - align_start_ns);
   const hal::PlanarPose& base = sight.T_world_base;
   if (frames_.integrated == 0) {

@@ -142,7 +142,7 @@ void RobotThreads::mapper_loop() {
 void RobotThreads::integrate(JudgedFrame& judged) {
   const hal::Frame& frame = pool_[judged.frame_index];
   const hal::TimeNs align_start_ns = parts_.clock.now();
-  placing_.place(frame, judged.sight);
+  placing_.place(frame, mapper_.map(), judged.sight);
   T_world_odometry_.write(placing_.T_world_odometry());
   add_time(Stage::align, align_start_ns);
   if (integrated_.load(std::memory_order_relaxed) == 0) {

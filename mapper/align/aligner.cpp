@@ -126,7 +126,7 @@ AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) con
   return result;
 }
 
-AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera) {
+AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera, const SeenSpace* space) {
   if (is_beyond(T_odometry_camera)) {
     AlignResult nowhere;
     nowhere.outcome = AlignOutcome::implausible;
@@ -153,7 +153,8 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));
   }
   report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
-  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera), frame.stamp_ns);
+  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera), frame.stamp_ns, space);
+  if (space != nullptr) surfaces_.forget_gone(*space);
   report_.surface_pieces = surfaces_.piece_count();
   report_.refused_samples = surfaces_.refused();
   last_odometry_ = T_odometry_camera;

@@ -50,8 +50,9 @@ class Aligner {
  public:
   Aligner(const AlignOptions& options, const hal::CameraModel& camera);
 
-  /// `T_odometry_camera`: the camera in odometry's own frame, which may drift. Stamps ascend.
-  AlignResult align(const hal::Frame& frame, const hal::Pose& T_odometry_camera);
+  /// `T_odometry_camera`: the camera in odometry's own frame, which may drift. Stamps ascend. `space`: the map of all
+  /// frames before this one, if the caller may look at it; then nothing that moves is aligned to.
+  AlignResult align(const hal::Frame& frame, const hal::Pose& T_odometry_camera, const SeenSpace* space = nullptr);
 
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }

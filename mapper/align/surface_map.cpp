@@ -56,7 +56,8 @@ SurfaceMap::SurfaceMap(const SurfaceOptions& options)
   table_.touch(table_.size_bytes());
 }
 
-void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T, hal::TimeNs stamp_ns) {
+void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T, hal::TimeNs stamp_ns,
+                     const SeenSpace* space) {
   const float per_cell = 1.0F / options_.cell_m;
   ++frame_;
   for (const DepthSample& sample : samples) {
@@ -84,6 +85,11 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
       cell.key = key;
       cell.born_ns = stamp_ns;
       ++count_;
+      const Vector3f place{p[0] + T.translation_m[0], p[1] + T.translation_m[1], p[2] + T.translation_m[2]};
+      if (space != nullptr && space->is_clear(place)) {
+        cell.born_ns = kUnsteady;
+        ++unsteady_;
+      }
     }
     if (cell.frame != frame_) {
       cell.frame = frame_;
@@ -97,6 +103,19 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
       cell.normal[i] += w * static_cast<std::int32_t>(n[static_cast<std::size_t>(i)] * kNormalParts);
     }
   }
+}
+
+void SurfaceMap::forget_gone(const SeenSpace& space) {
+  const std::size_t end = next_swept_ + table_.size() / kSweeps;
+  for (; next_swept_ < end; ++next_swept_) {
+    Cell& cell = table_[next_swept_];
+    if (cell.key == 0 || cell.born_ns == kUnsteady) continue;
+    const auto piece = piece_of(cell);
+    if (!piece || !space.is_clear(piece->point_m)) continue;
+    cell.born_ns = kUnsteady;
+    ++unsteady_;
+  }
+  if (next_swept_ == table_.size()) next_swept_ = 0;
 }
 
 void SurfaceMap::halve(Cell& cell) {

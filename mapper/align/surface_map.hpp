@@ -14,6 +14,7 @@
 
 #include "hal/messages.hpp"
 #include "mapper/align/depth_samples.hpp"
+#include "mapper/align/seen_space.hpp"
 #include "mapper/pool.hpp"
 
 namespace g3d::mapper::align {
@@ -36,28 +37,38 @@ class SurfaceMap {
  public:
   explicit SurfaceMap(const SurfaceOptions& options = {});
 
-  /// Adds samples of one frame.
-  void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns = 0);
+  /// Adds samples of one frame. With a map, which does not hold this frame yet: what has come into free space is
+  /// kept, but never found again.
+  void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns = 0,
+           const SeenSpace* space = nullptr);
+  /// Looks at the next part of all pieces, kSweeps-th of the table; those around which everything is free by now have
+  /// left, and are not found again.
+  void forget_gone(const SeenSpace& space);
+  static constexpr std::size_t kSweeps = 32;
   /// The piece nearest to a point in the cell of the point and in those before and behind it, facing like `normal`, and
   /// first seen at `born_by_ns` at the latest: what moves is nowhere for long.
   [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal,
                                                  hal::TimeNs born_by_ns = kAnyTime) const;
-  static constexpr hal::TimeNs kAnyTime = std::numeric_limits<hal::TimeNs>::max();
+  static constexpr hal::TimeNs kAnyTime = std::numeric_limits<hal::TimeNs>::max() - 1;
 
   [[nodiscard]] std::size_t piece_count() const { return count_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
+  /// Pieces that came into free space, or have left.
+  [[nodiscard]] std::size_t unsteady_count() const { return unsteady_; }
   [[nodiscard]] const SurfaceOptions& options() const { return options_; }
 
   /// Calls `visit(const SurfacePiece&, float weight)` for every piece that is sure enough, in no order that matters.
   template <typename Visit>
   void for_each(Visit visit) const {
     for (std::size_t i = 0; i < table_.size(); ++i) {
-      if (table_[i].key == 0) continue;
+      if (table_[i].key == 0 || table_[i].born_ns == kUnsteady) continue;
       if (const auto piece = piece_of(table_[i])) visit(*piece, static_cast<float>(table_[i].weight));
     }
   }
 
  private:
+  static constexpr hal::TimeNs kUnsteady = std::numeric_limits<hal::TimeNs>::max();  ///< instead of a time of birth
+
   struct Cell {
     std::uint64_t key = 0;    ///< 0: nothing here
     std::uint32_t frame = 0;  ///< the last one that added to it
@@ -77,6 +88,8 @@ class SurfaceMap {
   std::size_t count_ = 0;
   std::uint32_t frame_ = 0;
   std::uint64_t refused_ = 0;
+  std::size_t unsteady_ = 0;
+  std::size_t next_swept_ = 0;
 };
 
 }  // namespace g3d::mapper::align

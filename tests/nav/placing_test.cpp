@@ -38,7 +38,7 @@ TEST_CASE("where odometry is believed nothing is touched", "[nav][placing]") {
   Sight sight;
   sight.T_world_base = {1.0, 2.0, 3.0};
   sight.T_world_camera = on_floor({4.0, 5.0, 1.0});
-  placing.place({}, sight);
+  placing.place({}, mapper::VoxelMap(mapper::Grid{0.05F}, {64, 64, 64}), sight);
   check_same(sight.T_world_base, {1.0, 2.0, 3.0}, 0.0);
   CHECK(sight.T_world_camera.translation_m[0] == 4.0);
   check_same(placing.T_world_odometry(), {}, 0.0);
@@ -54,6 +54,7 @@ TEST_CASE("a robot whose odometry turns away is where its camera sees it", "[nav
   REQUIRE(world.ok());
   hal::SimRenderer renderer(std::move(world).value(), {.camera = camera});
   Placing placing(mapper::align::AlignOptions{}, camera, T_base_camera);
+  const mapper::VoxelMap map(mapper::Grid{0.05F}, {64, 64, 64});
   hal::Frame frame = hal::make_frame(camera);
   hal::PlanarPose truth{-0.5, 0.2, 0.1};
   hal::PlanarPose odometry = truth;
@@ -63,7 +64,7 @@ TEST_CASE("a robot whose odometry turns away is where its camera sees it", "[nav
                     frame);
     sight.T_world_base = odometry;
     sight.T_world_camera = hal::compose(on_floor(odometry), T_base_camera);
-    placing.place(frame, sight);
+    placing.place(frame, map, sight);
     if (i == 39) break;
     truth = compose(truth, {0.03, 0.0, 0.0});
     odometry = compose(odometry, {0.031, 0.0, 0.002});
