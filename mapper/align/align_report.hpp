@@ -18,7 +18,7 @@ enum class AlignOutcome : std::uint8_t {
   few_samples,     ///< the image shows too little: covered, out of range
   little_overlap,  ///< too little of what it shows has been seen before
   no_better,       ///< it fits no better than where odometry has the camera
-  implausible,     ///< farther from odometry than anything moves
+  implausible,     ///< farther from odometry than it can be off
   count_,
 };
 inline constexpr std::size_t kAlignOutcomeCount = static_cast<std::size_t>(AlignOutcome::count_);

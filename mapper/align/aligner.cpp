@@ -109,8 +109,13 @@ AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior) con
   const Vector6 correction = difference(predicted, s.pose);
   result.matched = s.matched;
   result.residual_m = std::sqrt(s.mean_square);
-  result.surprise = std::sqrt(quadratic(prior, correction));
-  if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad) {
+  // A mount that was measured wrongly tilts the camera, which is no fault of the wheels.
+  const bool on_floor = options_.motion == Motion::planar;
+  const Vector6 of_wheels{correction[0], correction[1], 0.0, 0.0, 0.0, correction[5]};
+  result.surprise = std::sqrt(quadratic(prior, on_floor ? of_wheels : correction));
+  const bool is_too_much =
+      on_floor && options_.source == OdometrySource::measured && result.surprise > options_.most_surprise;
+  if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad || is_too_much) {
     result.outcome = AlignOutcome::implausible;
   } else if (const NormalSums there = match(samples_.chosen(), surfaces_, predicted, options_.kernel_m, born_by_ns_);
              s.cost > kNoBetter * there.mean_cost() ||
@@ -143,14 +148,20 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const bool is_measured = options_.source == OdometrySource::measured;
     const hal::Pose step = is_measured ? hal::compose(hal::inverse(*last_odometry_), T_odometry_camera) : hal::Pose{};
     const hal::Pose predicted = hal::compose(last_pose_, step);
-    std::array<double, 3> step_m{};
-    for (std::size_t i = 0; i < 3; ++i) step_m[i] = predicted.translation_m[i] - last_pose_.translation_m[i];
+    for (std::size_t i = 0; i < 3; ++i) {
+      since_aligned_m_[i] += predicted.translation_m[i] - last_pose_.translation_m[i];
+    }
     // At the very start everything is young.
     const hal::TimeNs age_ns = options_.motion == Motion::planar ? options_.least_age_ns : 0;
     const hal::TimeNs old_ns = frame.stamp_ns - age_ns;
     born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
-    const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
-    result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, step_m, dt_s));
+    since_aligned_s_ += std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
+    result = judge(predicted, prior_information(options_.noise, options_.motion, options_.source, since_aligned_m_,
+                                                since_aligned_s_));
+  }
+  if (result.outcome == AlignOutcome::aligned) {
+    since_aligned_s_ = 0.0;
+    since_aligned_m_ = {};
   }
   report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
   surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera), frame.stamp_ns, space);

@@ -33,6 +33,9 @@ struct AlignOptions {
   int most_steps = 8;                      ///< of Gauss-Newton
   hal::TimeNs least_age_ns = 200'000'000;  ///< planar: surfaces younger than this may be somebody who walks
   double least_matched = 0.4;              ///< of the chosen samples
+  /// Planar: a robot's odometry is no farther off than so many of its standard deviations. What asks for more is
+  /// somebody who moves, and most of whom was there before.
+  double most_surprise = 4.0;
 };
 
 struct AlignResult {
@@ -77,6 +80,8 @@ class Aligner {
   std::optional<hal::Pose> last_odometry_;
   hal::Pose last_pose_;
   hal::TimeNs last_stamp_ns_ = 0;
+  double since_aligned_s_ = 0.0;  ///< while frames are refused, odometry's errors add up
+  std::array<double, 3> since_aligned_m_{};
   hal::TimeNs first_stamp_ns_ = 0;
   hal::TimeNs born_by_ns_ = 0;  ///< what this frame may be aligned to
   AlignReport report_;

@@ -5,6 +5,10 @@
 
 namespace g3d::mapper::align {
 
+bool SeenSpace::is_free(const std::array<float, 3>& point_m) const {
+  return state_of(map_->at(map_->grid().to_index(point_m[0], point_m[1], point_m[2]))) == State::free;
+}
+
 bool SeenSpace::is_clear(const std::array<float, 3>& point_m) const {
   const VoxelIndex at = map_->grid().to_index(point_m[0], point_m[1], point_m[2]);
   for (int z = -1; z <= 1; ++z) {

@@ -16,6 +16,8 @@ class SeenSpace {
  public:
   explicit SeenSpace(const VoxelMap& map) : map_(&map) {}
 
+  /// The voxel of a point (world, m) was seen free.
+  [[nodiscard]] bool is_free(const std::array<float, 3>& point_m) const;
   /// The voxel of a point (world, m) and all 26 around it are known to be free: no error of a pose or of a reading
   /// puts a wall there. False outside of the map.
   [[nodiscard]] bool is_clear(const std::array<float, 3>& point_m) const;

@@ -86,7 +86,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
       cell.born_ns = stamp_ns;
       ++count_;
       const Vector3f place{p[0] + T.translation_m[0], p[1] + T.translation_m[1], p[2] + T.translation_m[2]};
-      if (space != nullptr && space->is_clear(place)) {
+      if (space != nullptr && space->is_free(place)) {
         cell.born_ns = kUnsteady;
         ++unsteady_;
       }
