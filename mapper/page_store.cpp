@@ -15,13 +15,13 @@ namespace {
 using hal::Error;
 using hal::Reason;
 
-constexpr std::uint32_t kMagic = 0x45474150;  // "PAGE"
+constexpr std::uint32_t kPageMagic = 0x45474150;  // "PAGE"
 // Paging wants speed: a region must be on disk before the robot is far away.
 constexpr int kPageZstdLevel = 1;
 constexpr std::uint64_t kLeastGarbage_bytes = 1U << 16;
 
 struct Header {
-  std::uint32_t magic = kMagic;
+  std::uint32_t magic = kPageMagic;
   std::uint32_t blocks = 0;
   std::uint64_t region = 0;
   std::uint64_t version = 0;
@@ -140,7 +140,7 @@ hal::Result<std::span<const std::uint8_t>> PageStore::read_record(RegionKey regi
   Header header;
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.crc != record_crc(bytes)) return damaged(Reason::bad_checksum, region, "came back with a wrong checksum");
-  if (header.magic != kMagic || header.region != region || header.version != record.version ||
+  if (header.magic != kPageMagic || header.region != region || header.version != record.version ||
       header.blocks != record.blocks || header.payload_bytes != record.bytes - kPageHeaderBytes) {
     return damaged(Reason::malformed, region, "came back as another record");
   }

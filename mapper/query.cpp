@@ -51,7 +51,7 @@ NodeState part_state(const VoxelMap& map, std::uint32_t slot, std::size_t first,
 }
 
 /// 32767 + ceil(x / r); -1 outside of the grid or for NaN.
-std::int32_t index_of(double x_m, double resolution_m) {
+std::int32_t cell_index(double x_m, double resolution_m) {
   const double k = kAxisOffset_cells + std::ceil(x_m / resolution_m);
   return k >= 0 && k < kAxisCells ? static_cast<std::int32_t>(k) : -1;
 }
@@ -74,7 +74,7 @@ const char* to_string(NodeState state) {
 
 State state_at(const VoxelMap& map, const std::array<double, 3>& point_m) {
   const auto r = static_cast<double>(map.grid().resolution_m);
-  return state_of(map.at(VoxelIndex{index_of(point_m[0], r), index_of(point_m[1], r), index_of(point_m[2], r)}));
+  return state_of(map.at(VoxelIndex{cell_index(point_m[0], r), cell_index(point_m[1], r), cell_index(point_m[2], r)}));
 }
 
 NodeState node_state(const VoxelMap& map, MCode code, int levels_up) {
@@ -112,7 +112,7 @@ RayHit cast_ray(const VoxelMap& map, const std::array<double, 3>& origin_m, cons
   std::array<double, 3> next_m;   // distance to the next face on each axis
   std::array<double, 3> delta_m;  // and from face to face
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    cell[axis] = index_of(origin_m[axis], r);
+    cell[axis] = cell_index(origin_m[axis], r);
     const double d = direction[axis] / length;
     step[axis] = d > 0 ? 1 : d < 0 ? -1 : 0;
     delta_m[axis] = d != 0 ? r / std::abs(d) : std::numeric_limits<double>::infinity();

@@ -8,7 +8,7 @@
 namespace g3d::nav {
 namespace {
 
-double rounded(double value, double step) { return std::round(value / step) * step; }
+double to_digits(double value, double step) { return std::round(value / step) * step; }
 double to_mm(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 
 }  // namespace
@@ -39,19 +39,19 @@ std::string to_json(const LiveStatus& status) {
   mapper::JsonWriter json;
   json.begin_object();
   json.member("state", name_of(status.state)).member("purpose", name_of(status.purpose));
-  json.member("time_s", rounded(status.time_s, 0.1)).member("path_m", to_mm(status.path_m));
+  json.member("time_s", to_digits(status.time_s, 0.1)).member("path_m", to_mm(status.path_m));
   json.member("turned_rad", to_mm(status.turned_rad));
   json.key("coverage");
   if (status.coverage < 0.0) {
     json.value(std::nan(""));  // null: nobody knows
   } else {
-    json.value(rounded(status.coverage, 1e-4));
+    json.value(to_digits(status.coverage, 1e-4));
   }
   json.key("pose").begin_object().member("x_m", to_mm(status.T_world_base.x_m));
   json.member("y_m", to_mm(status.T_world_base.y_m)).member("heading_rad", to_mm(status.T_world_base.heading_rad));
   json.end_object();
   json.key("battery").begin_object().member("level", hal::kobuki::to_string(status.battery_level));
-  json.member("volts", rounded(status.battery_v, 0.01)).member("charge", rounded(status.battery_charge, 0.01));
+  json.member("volts", to_digits(status.battery_v, 0.01)).member("charge", to_digits(status.battery_charge, 0.01));
   json.member("left_s", std::round(status.energy_left_s)).end_object();
   json.key("safety").begin_object().member("state", hal::to_string(status.safety));
   json.member("limited_by", hal::to_string(status.limited_by));
@@ -59,7 +59,7 @@ std::string to_json(const LiveStatus& status) {
   json.member("turn_radps", status.allowance.turn_radps);
   json.member("last_reason", hal::to_string(status.last_reason));
   json.key("last_reason_s");
-  json.value(status.last_reason == hal::Condition::count_ ? std::nan("") : rounded(status.last_reason_s, 0.01));
+  json.value(status.last_reason == hal::Condition::count_ ? std::nan("") : to_digits(status.last_reason_s, 0.01));
   json.end_object();
   json.end_object();
   return json.take();

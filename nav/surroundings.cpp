@@ -7,13 +7,13 @@ namespace g3d::nav {
 namespace {
 
 constexpr double kTouchRadius_m = 0.05;
-constexpr double kOneThing_m = 1.0;      // touches this near to each other are of one thing
+constexpr double kSameThing_m = 1.0;     // touches this near to each other are of one thing
 constexpr double kCarefulAbout_m = 0.7;  // a touch: panes are wide
 constexpr double kNearTouch_m = 1.8;
 constexpr double kSuspect_m = 0.65;  // where what is too near to be measured is taken to stand
 constexpr std::size_t kMostTouches = 256;
 constexpr std::uint8_t kOwnWayCost = 250;
-constexpr double kSpare_m = 0.01;  // in a tight place; MotionLimits::touch_margin_m
+constexpr double kTightSpare_m = 0.01;  // in a tight place; MotionLimits::touch_margin_m
 
 double distance_m(const Waypoint& a, double x_m, double y_m) { return std::hypot(a.x_m - x_m, a.y_m - y_m); }
 
@@ -26,7 +26,7 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
       ground_(grid, config.ground),
       inflation_(ground_.states(), {planning_radius_m(config.body_radius_m, ground_.resolution_m()),
                                     config.inflation_radius_m, config.inflation_decay_perm}),
-      tight_(ground_.states(), inflation_, config.body_radius_m, kSpare_m),
+      tight_(ground_.states(), inflation_, config.body_radius_m, kTightSpare_m),
       trace_(ground_.states(), config.body_radius_m),
       low_view_(ground_.states(), config.low_view),
       near_watch_(ground_.states(), config.near_watch),
@@ -113,7 +113,7 @@ void Surroundings::mark_touches_with(const Waypoint& touch, std::size_t others) 
   for (std::size_t i = 0; i < others; ++i) {
     const Waypoint& other = touches_[i];
     const double length_m = distance_m(other, touch.x_m, touch.y_m);
-    if (length_m > kOneThing_m) continue;
+    if (length_m > kSameThing_m) continue;
     for (double s = kTouchRadius_m; s < length_m; s += kTouchRadius_m) {
       const double x_m = other.x_m + s / length_m * (touch.x_m - other.x_m);
       const double y_m = other.y_m + s / length_m * (touch.y_m - other.y_m);

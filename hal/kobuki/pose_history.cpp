@@ -6,12 +6,12 @@
 namespace g3d::hal::kobuki {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn_rad = std::numbers::pi;
 
 /// In (-pi, pi], for an angle not farther than one turn off.
-double wrapped(double angle_rad) {
-  if (angle_rad > kPi) return angle_rad - 2.0 * kPi;
-  return angle_rad <= -kPi ? angle_rad + 2.0 * kPi : angle_rad;
+double short_way(double angle_rad) {
+  if (angle_rad > kHalfTurn_rad) return angle_rad - 2.0 * kHalfTurn_rad;
+  return angle_rad <= -kHalfTurn_rad ? angle_rad + 2.0 * kHalfTurn_rad : angle_rad;
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ std::optional<PlanarPose> PoseHistory::at(TimeNs stamp_ns) const {
         static_cast<double>(stamp_ns - from.stamp_ns) / static_cast<double>(to.stamp_ns - from.stamp_ns);
     const PlanarPose &a = from.T_world_base, &b = to.T_world_base;
     return PlanarPose{a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
-                      wrapped(a.heading_rad + part * wrapped(b.heading_rad - a.heading_rad))};
+                      short_way(a.heading_rad + part * short_way(b.heading_rad - a.heading_rad))};
   }
   return std::nullopt;
 }

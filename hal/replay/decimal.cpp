@@ -10,7 +10,7 @@
 namespace g3d::hal {
 namespace {
 
-constexpr TimeNs kNsPerSecond = 1'000'000'000;
+constexpr TimeNs kSecond_ns = 1'000'000'000;
 constexpr int kNsDigits = 9;
 // Beyond it the stamp is zero or too large, whatever its digits are.
 constexpr int kMaxExponent = 40;
@@ -30,7 +30,7 @@ std::string_view without_plus(std::string_view text) {
 }
 
 template <typename Number>
-std::optional<Number> parse_number(std::string_view text) {
+std::optional<Number> parse_any(std::string_view text) {
   text = without_plus(text);
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -68,7 +68,7 @@ std::optional<DecimalParts> split_decimal(std::string_view text) {
   parts.digits = text.substr(0, end);
   if (end < text.size()) {
     if (text[end] != 'e' && text[end] != 'E') return std::nullopt;
-    const auto exponent = parse_number<int>(text.substr(end + 1));
+    const auto exponent = parse_any<int>(text.substr(end + 1));
     if (!exponent || *exponent > kMaxExponent || *exponent < -kMaxExponent) return std::nullopt;
     parts.exponent = *exponent;
   }
@@ -88,7 +88,7 @@ std::optional<TimeNs> parse_stamp_ns(std::string_view text) {
     if (c == '.') continue;
     if (i <= last_ns_digit) {
       value_ns = value_ns * 10 + (c - '0');
-      if (value_ns > kMaxStamp_s * kNsPerSecond / 10 && i < last_ns_digit) return std::nullopt;
+      if (value_ns > kMaxStamp_s * kSecond_ns / 10 && i < last_ns_digit) return std::nullopt;
     } else {
       if (i == last_ns_digit + 1 && c >= '5') ++value_ns;
       break;
@@ -96,17 +96,17 @@ std::optional<TimeNs> parse_stamp_ns(std::string_view text) {
     ++i;
   }
   for (; i <= last_ns_digit && value_ns != 0; ++i) {  // "1e9": zeros that are not written
-    if (value_ns > kMaxStamp_s * kNsPerSecond / 10) return std::nullopt;
+    if (value_ns > kMaxStamp_s * kSecond_ns / 10) return std::nullopt;
     value_ns *= 10;
   }
-  if (value_ns > kMaxStamp_s * kNsPerSecond) return std::nullopt;
+  if (value_ns > kMaxStamp_s * kSecond_ns) return std::nullopt;
   return parts->negative ? -value_ns : value_ns;
 }
 
 char* format_stamp_to(char* out, TimeNs stamp_ns) {
   const bool negative = stamp_ns < 0;
   const auto magnitude_ns = negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
-  constexpr std::uint64_t kNs = kNsPerSecond;
+  constexpr std::uint64_t kNs = kSecond_ns;
   return fmt::format_to(out, "{}{}.{:09}", negative ? "-" : "", magnitude_ns / kNs, magnitude_ns % kNs);
 }
 
@@ -115,8 +115,8 @@ std::string format_stamp(TimeNs stamp_ns) {
   return {buffer.data(), format_stamp_to(buffer.data(), stamp_ns)};
 }
 
-std::optional<double> parse_double(std::string_view text) { return parse_number<double>(text); }
-std::optional<int> parse_int(std::string_view text) { return parse_number<int>(text); }
+std::optional<double> parse_double(std::string_view text) { return parse_any<double>(text); }
+std::optional<int> parse_int(std::string_view text) { return parse_any<int>(text); }
 
 std::string_view take_word(std::string_view& rest) {
   rest = trimmed(rest);

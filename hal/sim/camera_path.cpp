@@ -19,7 +19,7 @@ constexpr double kMaxTime_s = 1e6;
 
 using Quaternion = std::array<double, 4>;  // x y z w
 
-Quaternion multiply(const Quaternion& a, const Quaternion& b) {
+Quaternion product(const Quaternion& a, const Quaternion& b) {
   return {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
           a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
 }
@@ -49,8 +49,8 @@ Pose camera_pose(const std::array<double, 3>& eye_m, double yaw_deg, double pitc
   // A positive turn about y (left) points the nose down.
   const SinCos half_pitch = sin_cos_deg(-pitch_deg / 2);
   constexpr Quaternion kBodyToOptical = {-0.5, 0.5, -0.5, 0.5};
-  const Quaternion turn = multiply({0, 0, half_yaw.sin, half_yaw.cos}, {0, half_pitch.sin, 0, half_pitch.cos});
-  return {eye_m, multiply(turn, kBodyToOptical)};
+  const Quaternion turn = product({0, 0, half_yaw.sin, half_yaw.cos}, {0, half_pitch.sin, 0, half_pitch.cos});
+  return {eye_m, product(turn, kBodyToOptical)};
 }
 
 CameraPath::CameraPath(const std::vector<PathWaypoint>& waypoints) {

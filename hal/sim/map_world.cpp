@@ -20,7 +20,7 @@ constexpr double kSlab_m = 0.2;
 
 enum class Cell : std::uint8_t { free, occupied, unknown };
 
-std::string_view trimmed(std::string_view s) {
+std::string_view without_blanks(std::string_view s) {
   while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
   while (!s.empty() && (s.back() == ' ' || s.back() == '\t' || s.back() == '\r')) s.remove_suffix(1);
   return s;
@@ -28,13 +28,13 @@ std::string_view trimmed(std::string_view s) {
 
 /// Value without a comment behind it and without quotes around it.
 std::string_view plain_value(std::string_view s) {
-  s = trimmed(s);
+  s = without_blanks(s);
   if (s.size() >= 2 && (s.front() == '"' || s.front() == '\'')) {
     const std::size_t close = s.find(s.front(), 1);
     return close == std::string_view::npos ? s : s.substr(1, close - 1);
   }
   const std::size_t comment = s.find(" #");
-  return trimmed(s.substr(0, comment));
+  return without_blanks(s.substr(0, comment));
 }
 
 Result<double> read_number(const TextLine& line, std::string_view name, std::string_view word, double low,
@@ -140,13 +140,13 @@ Result<MapYaml> parse_map_yaml(std::string_view text, std::string_view file) {
   while (!text.empty()) {
     ++number;
     const std::size_t end = text.find('\n');
-    const std::string_view content = trimmed(text.substr(0, end));
+    const std::string_view content = without_blanks(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (content.empty() || content.front() == '#' || content == "---") continue;
     const TextLine line(file, number, {});
     const std::size_t colon = content.find(':');
     if (colon == std::string_view::npos) return line.error(Reason::malformed, "expected `key: value`");
-    const std::string_view key = trimmed(content.substr(0, colon));
+    const std::string_view key = without_blanks(content.substr(0, colon));
     if (auto read = read_key(line, key, plain_value(content.substr(colon + 1)), yaml); !read) return read.error();
     has_resolution = has_resolution || key == "resolution";
   }

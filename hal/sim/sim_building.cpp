@@ -13,7 +13,7 @@
 namespace g3d::hal {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 constexpr double kReleased_m = 0.01;
 constexpr double kStands_mps = 0.002;  // slower is no driving: what an acceleration leaves of one step
 
@@ -45,7 +45,7 @@ CameraModel scaled_kinect(int width_px, int height_px) {
 Pose forward_camera(double height_m) { return look_at({0.0, 0.0, height_m}, {1.0, 0.0, height_m}); }
 
 Pose pose_on_floor(const PlanarPose& T_world_base) {
-  const SinCos half = sin_cos_deg(T_world_base.heading_rad * kDegPerRad / 2.0);
+  const SinCos half = sin_cos_deg(T_world_base.heading_rad * kDegreesPerRad / 2.0);
   return {{T_world_base.x_m, T_world_base.y_m, 0.0}, {0.0, 0.0, half.sin, half.cos}};
 }
 

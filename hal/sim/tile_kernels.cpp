@@ -6,43 +6,44 @@
 namespace g3d::hal {
 namespace {
 
-constexpr float kTiny = 1e-20F;  // stands for a direction of zero: quotients stay finite, or become plain infinities
+constexpr float kTinySlope =
+    1e-20F;  // stands for a direction of zero: quotients stay finite, or become plain infinities
 
 inline float smaller(float a, float b) { return a < b ? a : b; }
 inline float larger(float a, float b) { return a > b ? a : b; }
-inline float away_from_zero(float d) { return d < 0.0F ? smaller(d, -kTiny) : larger(d, kTiny); }
+inline float off_zero(float d) { return d < 0.0F ? smaller(d, -kTinySlope) : larger(d, kTinySlope); }
 
-struct Span {
+struct RaySpan {
   float from;
   float to;
 };
 
-inline Span slab(float origin, float direction, float half) {
-  const float inverse = 1.0F / away_from_zero(direction);
+inline RaySpan slab(float origin, float direction, float half) {
+  const float inverse = 1.0F / off_zero(direction);
   const float a = (-half - origin) * inverse;
   const float b = (half - origin) * inverse;
   return {smaller(a, b), larger(a, b)};
 }
 
-inline Span common(Span a, Span b) { return {larger(a.from, b.from), smaller(a.to, b.to)}; }
+inline RaySpan common(RaySpan a, RaySpan b) { return {larger(a.from, b.from), smaller(a.to, b.to)}; }
 
 /// For a ray along the axis of an upright solid: the roots become far away instead of undefined.
 constexpr float kTinySquare = 1e-12F;
 
 /// Roots of a t^2 + 2 b t + c <= 0 for a > 0, from a discriminant that was computed without cancellation.
-inline Span between_roots(float a, float b, float discriminant) {
+inline RaySpan between_roots(float a, float b, float discriminant) {
   const float root = std::sqrt(larger(discriminant, 0.0F));
   const float inverse = 1.0F / a;
   const float nowhere = discriminant < 0.0F ? kNoDepth_m : 0.0F;
   return {(-b - root) * inverse + nowhere, (-b + root) * inverse - nowhere};
 }
 
-inline Span box_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline RaySpan box_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   return common(common(slab(s.origin[0], dx, s.half[0]), slab(s.origin[1], dy, s.half[1])),
                 slab(s.origin[2], dz, s.half[2]));
 }
 
-inline Span sphere_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline RaySpan sphere_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float a = dx * dx + dy * dy + dz * dz;
   const float b = s.origin[0] * dx + s.origin[1] * dy + s.origin[2] * dz;
   // |o x d|^2 instead of |o|^2 |d|^2 - (o d)^2: the small difference of large numbers would drown a thin solid.
@@ -52,14 +53,14 @@ inline Span sphere_interval(const PreparedSolid& s, float dx, float dy, float dz
   return between_roots(a, b, s.radius * s.radius * a - (cx * cx + cy * cy + cz * cz));
 }
 
-inline Span cylinder_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline RaySpan cylinder_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float a = larger(dx * dx + dy * dy, kTinySquare);
   const float b = s.origin[0] * dx + s.origin[1] * dy;
   const float cross = s.origin[0] * dy - s.origin[1] * dx;
   return common(between_roots(a, b, s.radius * s.radius * a - cross * cross), slab(s.origin[2], dz, s.half[2]));
 }
 
-inline Span cone_interval(const PreparedSolid& s, float dx, float dy, float dz) {
+inline RaySpan cone_interval(const PreparedSolid& s, float dx, float dy, float dz) {
   const float radius = s.radius + s.slope * s.origin[2];
   const float m = s.slope * dz;
   const float a = dx * dx + dy * dy - m * m;
@@ -68,7 +69,7 @@ inline Span cone_interval(const PreparedSolid& s, float dx, float dy, float dz) 
   const float ux = s.origin[0] * m - radius * dx;
   const float uy = s.origin[1] * m - radius * dy;
   const float discriminant = ux * ux + uy * uy - cross * cross;
-  const float steep = away_from_zero(a);
+  const float steep = off_zero(a);
   const float root = std::sqrt(larger(discriminant, 0.0F));
   const float inverse = 1.0F / steep;
   const float r0 = (-b - root) * inverse;
@@ -91,7 +92,7 @@ inline void cast_all(const PreparedSolid& s, std::int32_t place, const TileRays&
   for (std::size_t i = 0; i < kTilePixels; ++i) {
     const float dx = c * rays.x[i] + sn * rays.y[i];
     const float dy = c * rays.y[i] - sn * rays.x[i];
-    const Span part = interval_of(s, dx, dy, rays.z[i]);
+    const RaySpan part = interval_of(s, dx, dy, rays.z[i]);
     const float t = larger(part.from, 0.0F);
     const float before = hits.depth_m[i];
     const bool nearer = (part.from <= part.to) & (part.to >= 0.0F) & (t < before);

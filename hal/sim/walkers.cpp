@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSamePlace_m = 0.001;
 
-TimeNs to_ns(double t_s) { return static_cast<TimeNs>(t_s * 1e9); }
+TimeNs ns_of(double t_s) { return static_cast<TimeNs>(t_s * 1e9); }
 
 double distance_m(const std::array<float, 2>& a, const std::array<float, 2>& b) {
   const double dx = double{a[0]} - double{b[0]};
@@ -51,7 +51,7 @@ void Walkers::step(double dt_s, std::span<const std::array<float, 2>> robots_m, 
   for (std::size_t i = 0; i < walkers_.size(); ++i) {
     Walker& walker = walkers_[i];
     const double next_s = advanced(walker, dt_s);
-    const std::array<float, 2> next_m = world_.mover_at(i, to_ns(next_s));
+    const std::array<float, 2> next_m = world_.mover_at(i, ns_of(next_s));
     bool blocked = false;
     for (const auto& robot_m : robots_m) {
       const double after_m = distance_m(next_m, robot_m);

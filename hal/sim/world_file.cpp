@@ -19,31 +19,31 @@ constexpr double kMaxBoards = 50;
 constexpr double kMaxPoleRadius_m = 0.1;
 
 /// What one number of a line may be.
-struct Range {
+struct FieldRange {
   std::string_view name;
   double low;
   double high;
 };
-constexpr Range kX{"x", -kMaxCoordinate_m, kMaxCoordinate_m};
-constexpr Range kY{"y", -kMaxCoordinate_m, kMaxCoordinate_m};
-constexpr Range kZ{"z", -kMaxCoordinate_m, kMaxCoordinate_m};
-constexpr Range kYaw{"yaw", -3600.0, 3600.0};
-constexpr Range size(std::string_view name) { return {name, kMinSize_m, kMaxCoordinate_m}; }
+constexpr FieldRange kX{"x", -kMaxCoordinate_m, kMaxCoordinate_m};
+constexpr FieldRange kY{"y", -kMaxCoordinate_m, kMaxCoordinate_m};
+constexpr FieldRange kZ{"z", -kMaxCoordinate_m, kMaxCoordinate_m};
+constexpr FieldRange kYawField{"yaw", -3600.0, 3600.0};
+constexpr FieldRange size(std::string_view name) { return {name, kMinSize_m, kMaxCoordinate_m}; }
 
 struct Kind {
   std::string_view word;
-  std::vector<Range> numbers;
+  std::vector<FieldRange> numbers;
   std::size_t optional;  ///< how many of the last ones may be left out
 };
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table = {
-      {"box", {kX, kY, kZ, size("size_x"), size("size_y"), size("size_z"), kYaw}, 1},
+      {"box", {kX, kY, kZ, size("size_x"), size("size_y"), size("size_z"), kYawField}, 1},
       {"sphere", {kX, kY, kZ, size("radius")}, 0},
       {"cylinder", {kX, kY, kZ, size("radius"), size("height")}, 0},
       {"pole", {kX, kY, kZ, {"radius", kMinSize_m, kMaxPoleRadius_m}, size("height")}, 0},
       {"cone", {kX, kY, kZ, size("radius"), size("height"), {"top_radius", 0.0, kMaxCoordinate_m}}, 1},
-      {"stairs", {kX, kY, kZ, size("width"), size("run"), size("rise"), {"steps", 1, kMaxSteps}, kYaw}, 1},
+      {"stairs", {kX, kY, kZ, size("width"), size("run"), size("rise"), {"steps", 1, kMaxSteps}, kYawField}, 1},
       {"shelves",
        {kX,
         kY,
@@ -52,7 +52,7 @@ const std::vector<Kind>& kinds() {
         size("depth"),
         {"height", 0.05, kMaxCoordinate_m},
         {"boards", 2, kMaxBoards},
-        kYaw},
+        kYawField},
        1},
       {"floor", {kX, kY, kZ, size("size_x"), size("size_y"), size("thickness")}, 0},
       {"room", {kX, kY, kZ, size("size_x"), size("size_y"), size("size_z"), size("thickness")}, 0},
@@ -208,7 +208,7 @@ Result<void> read_solid(const TextLine& line, World& world) {
   }
   std::size_t next = 1;
   std::vector<double> numbers;
-  for (const Range& range : kind->numbers) {
+  for (const FieldRange& range : kind->numbers) {
     if (next == words.size() || !parse_number(words[next])) break;
     const auto value = line.number_in(words[next], range.name, range.low, range.high);
     if (!value) return value.error();

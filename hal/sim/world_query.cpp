@@ -8,7 +8,7 @@ namespace g3d::hal {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-using Vec = std::array<double, 3>;
+using Vec3 = std::array<double, 3>;
 
 /// Part of a ray, in ray parameters; empty if from > to.
 struct Interval {
@@ -32,7 +32,7 @@ void clip_slab(Interval& part, double o, double d, double half) {
   clip(part, std::min(a, b), std::max(a, b));
 }
 
-Vec local_point(const Primitive& solid, const Vec& p) {
+Vec3 local_point(const Primitive& solid, const Vec3& p) {
   const double x = p[0] - solid.centre_m[0];
   const double y = p[1] - solid.centre_m[1];
   const double c = solid.cos_yaw;
@@ -40,13 +40,13 @@ Vec local_point(const Primitive& solid, const Vec& p) {
   return {c * x + s * y, -s * x + c * y, p[2] - solid.centre_m[2]};
 }
 
-Vec local_direction(const Primitive& solid, const Vec& d) {
+Vec3 local_direction(const Primitive& solid, const Vec3& d) {
   const double c = solid.cos_yaw;
   const double s = solid.sin_yaw;
   return {c * d[0] + s * d[1], -s * d[0] + c * d[1], d[2]};
 }
 
-void clip_sphere(Interval& part, const Vec& o, const Vec& d, double radius) {
+void clip_sphere(Interval& part, const Vec3& o, const Vec3& d, double radius) {
   const double a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   const double b = o[0] * d[0] + o[1] * d[1] + o[2] * d[2];
   const double c = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] - radius * radius;
@@ -59,7 +59,7 @@ void clip_sphere(Interval& part, const Vec& o, const Vec& d, double radius) {
 }
 
 /// Inside of x^2 + y^2 <= (radius at z)^2, where the radius changes linearly with z; a cylinder has slope 0.
-void clip_cone(Interval& part, const Vec& o, const Vec& d, double radius_at_0, double slope) {
+void clip_cone(Interval& part, const Vec3& o, const Vec3& d, double radius_at_0, double slope) {
   const double radius = radius_at_0 + slope * o[2];
   const double a = d[0] * d[0] + d[1] * d[1] - slope * slope * d[2] * d[2];
   const double b = o[0] * d[0] + o[1] * d[1] - radius * slope * d[2];
@@ -93,8 +93,8 @@ double squared(double x) { return x * x; }
 /// Distance by which a coordinate lies outside of [-half, half].
 double outside(double x, double half) { return std::max(std::abs(x) - half, 0.0); }
 
-double distance_to(const Primitive& solid, const Vec& point_m) {
-  const Vec p = local_point(solid, point_m);
+double distance_to(const Primitive& solid, const Vec3& point_m) {
+  const Vec3 p = local_point(solid, point_m);
   const double radial = std::sqrt(squared(p[0]) + squared(p[1]));
   switch (solid.shape) {
     case Shape::box:
@@ -111,9 +111,9 @@ double distance_to(const Primitive& solid, const Vec& point_m) {
 
 }  // namespace
 
-double intersect(const Primitive& solid, const Vec& origin_m, const Vec& direction) {
-  const Vec o = local_point(solid, origin_m);
-  const Vec d = local_direction(solid, direction);
+double intersect(const Primitive& solid, const Vec3& origin_m, const Vec3& direction) {
+  const Vec3 o = local_point(solid, origin_m);
+  const Vec3 d = local_direction(solid, direction);
   Interval part;
   if (solid.shape != Shape::sphere) clip_slab(part, o[2], d[2], solid.half_m[2]);
   switch (solid.shape) {
@@ -137,7 +137,7 @@ double intersect(const Primitive& solid, const Vec& origin_m, const Vec& directi
   return std::max(part.from, 0.0);
 }
 
-RayHit cast_ray(const World& world, TimeNs time_ns, const Vec& origin_m, const Vec& direction, bool with_glass) {
+RayHit cast_ray(const World& world, TimeNs time_ns, const Vec3& origin_m, const Vec3& direction, bool with_glass) {
   RayHit nearest;
   for (std::size_t i = 0; i < world.primitives().size(); ++i) {
     if (world.primitives()[i].material.glass && !with_glass) continue;
@@ -156,7 +156,7 @@ RayHit cast_ray(const World& world, TimeNs time_ns, const Vec& origin_m, const V
   return nearest;
 }
 
-bool is_solid(const World& world, TimeNs time_ns, const Vec& point_m) {
+bool is_solid(const World& world, TimeNs time_ns, const Vec3& point_m) {
   if (world.grid() && world.grid()->is_solid(static_cast<float>(point_m[0]), static_cast<float>(point_m[1]),
                                              static_cast<float>(point_m[2]))) {
     return true;
@@ -169,7 +169,7 @@ bool is_solid(const World& world, TimeNs time_ns, const Vec& point_m) {
   return false;
 }
 
-double clearance_m(const World& world, TimeNs time_ns, const Vec& point_m) {
+double clearance_m(const World& world, TimeNs time_ns, const Vec3& point_m) {
   double nearest_m = kNever;
   for (std::size_t i = 0; i < world.primitives().size(); ++i) {
     nearest_m = std::min(nearest_m, distance_to(world.placed(i, time_ns), point_m));

@@ -15,7 +15,7 @@
 namespace g3d::mapper::align {
 namespace {
 
-constexpr std::size_t kLeastSamples = 200;
+constexpr std::size_t kLeastMapSamples = 200;
 constexpr std::size_t kScored = 250;
 constexpr std::size_t kRefined = 1500;
 constexpr std::size_t kJudged = 6000;
@@ -39,8 +39,8 @@ constexpr double kRivals = 0.93;
 // The weakest direction must have this share of the surface facing along it.
 constexpr double kLeastHold = 0.02;
 
-constexpr std::array<const char*, 6> kOutcomeNames{"aligned",      "too_little", "little_overlap",
-                                                   "contradicted", "unfixed",    "ambiguous"};
+constexpr std::array<const char*, 6> kMapOutcomeNames{"aligned",      "too_little", "little_overlap",
+                                                      "contradicted", "unfixed",    "ambiguous"};
 
 /// What stands: floors and ceilings fit everywhere and say nothing about the place.
 std::vector<DepthSample> upright(const std::vector<DepthSample>& samples) {
@@ -200,19 +200,19 @@ bool is_fixed(const std::vector<DepthSample>& samples, const SurfaceMap& surface
 
 }  // namespace
 
-const char* to_string(MapAlignOutcome outcome) { return kOutcomeNames[static_cast<std::size_t>(outcome)]; }
+const char* to_string(MapAlignOutcome outcome) { return kMapOutcomeNames[static_cast<std::size_t>(outcome)]; }
 
 MapAlignment align_maps(const MapSurfaces& a, const MapSurfaces& b, const hal::Pose& guess,
                         const MapAlignOptions& options) {
   MapAlignment result;
   result.T_a_b = guess;
-  if (a.samples().size() < kLeastSamples || b.samples().size() < kLeastSamples) return result;
+  if (a.samples().size() < kLeastMapSamples || b.samples().size() < kLeastMapSamples) return result;
   const std::vector<DepthSample> few = evenly(b.samples(), 0.2F, kRefined);
   const std::vector<DepthSample> standing_a = upright(a.samples());
   const std::vector<DepthSample> standing_b = upright(b.samples());
   const std::vector<DepthSample> many_b = evenly(standing_b, 0.1F, kJudged);
   const std::vector<DepthSample> many_a = evenly(standing_a, 0.1F, kJudged);
-  if (many_a.size() < kLeastSamples || many_b.size() < kLeastSamples) return result;
+  if (many_a.size() < kLeastMapSamples || many_b.size() < kLeastMapSamples) return result;
   const double area_m2 = static_cast<double>(b.fine().options().cell_m * b.fine().options().cell_m) *
                          static_cast<double>(standing_b.size()) / static_cast<double>(many_b.size());
 
