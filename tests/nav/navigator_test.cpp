@@ -141,8 +141,8 @@ TEST_CASE("It explores two rooms through a narrow door and returns home without 
   CHECK(world.time_s() < 150);
 }
 
-TEST_CASE(
-    "It fits through a door that is 4 cm wider than itself, there and back, and not through one that is narrower") {
+TEST_CASE("It fits through a door that is 4 cm wider than itself, there and back, and not through one that is narrower",
+          "[slow]") {
   for (const double width_m : {0.40, 0.35}) {
     std::vector<Box> boxes = room({0, 0, 8, 4});
     boxes.push_back({3.9, 0, 4.0, 1.6});

@@ -70,7 +70,7 @@ double taken_along_m(bool looks_at_map) {
 
 }  // namespace
 
-TEST_CASE("who comes out of free space takes nobody along", "[mapper][align]") {
+TEST_CASE("who comes out of free space takes nobody along", "[mapper][align][slow]") {
   const double without_m = taken_along_m(false);
   const double with_m = taken_along_m(true);
   CAPTURE(without_m, with_m);
