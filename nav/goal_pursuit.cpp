@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/goal_pursuit.hpp"
+#include "nav/seconds.hpp"
 
 namespace g3d::nav {
 namespace {
@@ -7,8 +8,6 @@ namespace {
 constexpr double kOffPath_m = 0.35;    // farther from the path: another one is better
 constexpr double kSlowest_mps = 0.12;  // on average, until a goal takes too long
 constexpr double kGoalGrace_s = 25.0;
-
-TimeNs after(TimeNs now, double seconds) { return now + static_cast<TimeNs>(seconds * 1e9); }
 
 FollowerConfig fitted(FollowerConfig config, double resolution_m) {
   config.resolution_m = resolution_m;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/navigator.hpp"
+#include "nav/seconds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,6 @@ constexpr int kTrapped = 8;        // goals that failed in one place
 constexpr double kAgain_s = 0.1;   // between decisions when one fails after the other,
 constexpr double kInVain_s = 1.0;  // and when that goes on
 constexpr int kCutOff = 3;         // goals in a row without a path: the robot is cut off from where it came from
-
-TimeNs later(TimeNs now, double seconds) { return now + static_cast<TimeNs>(seconds * 1e9); }
 
 double distance_m(const hal::PlanarPose& a, const hal::PlanarPose& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
@@ -107,7 +106,7 @@ void Navigator::decide(TimeNs now) {
   if (!made) return;
   decision_ = *made;
   report_.frontiers_left = decision_.left;
-  next_decision_ns_ = later(decision_begun_ns_, config_.decide_period_s);
+  next_decision_ns_ = after(decision_begun_ns_, config_.decide_period_s);
   if (decision_.kind == DecisionKind::go_home && look_at_closed_way(now)) return;
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
@@ -206,7 +205,7 @@ void Navigator::fail_goal(GoalFailure reason, TimeNs now) {
   spin_.clear();
   recovery_.end();
   // People walk away and maps grow: to try all goals within a second would give them all up for nothing.
-  next_decision_ns_ = later(now, goals_in_vain_ > kCutOff ? kInVain_s : kAgain_s);
+  next_decision_ns_ = after(now, goals_in_vain_ > kCutOff ? kInVain_s : kAgain_s);
 }
 
 // Nothing is left to explore. Home is where it goes, even if the chooser has given that up.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/passer_tracks.hpp"
+#include "nav/seconds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +15,6 @@ constexpr double kPlaceTime_s = 0.12;    // of the filter: how fast a place is b
 constexpr double kVelocityTime_s = 0.4;  // and a velocity
 constexpr double kBehindView_m = 0.3;    // looked through so far beyond his place: he is not there
 constexpr double kStride_m = 0.05;       // of looking for walls in his way
-
-double seconds_between(hal::TimeNs from, hal::TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
-hal::TimeNs time_after(hal::TimeNs from, double s) { return from + static_cast<hal::TimeNs>(s * 1e9); }
 
 }  // namespace
 
@@ -91,7 +89,7 @@ void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) con
     track.vy_mps += velocity_share * error_y_m / s;
   }
   track.seen_ns = now;
-  track.ends_ns = time_after(now, config_.walks_on_s);
+  track.ends_ns = after(now, config_.walks_on_s);
   track.is_in_view = true;
   track.has_walked = track.has_walked || is_walking(track);
 }
@@ -147,7 +145,7 @@ void PasserTracks::look(const DepthScan& scan, const Rays& is_somebody, const Ra
     if (Track* track = nearest(sights[i], false, now)) {
       follow(*track, sights[i], now);
     } else {
-      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, time_after(now, config_.walks_on_s), true, false};
+      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true, false};
     }
   }
   count = gather(scan, came_lately, pose, sights);

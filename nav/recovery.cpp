@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/recovery.hpp"
+#include "nav/seconds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +11,6 @@ namespace {
 constexpr double kFullTurn_rad = 2.0 * 3.14159265358979323846;
 constexpr double kTurnedEnough_rad = 0.05;
 constexpr double kNoRoom_m = 0.02;
-
-double seconds(TimeNs from_ns, TimeNs to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
 
 }  // namespace
 
@@ -40,7 +39,7 @@ void Recovery::start(Trouble trouble, double side, const RecoveryView& view) {
 }
 
 void Recovery::begin_attempt(const RecoveryView& view) {
-  if (attempt_ >= config_.max_attempts || seconds(first_ns_, view.now_ns) >= config_.max_total_s) {
+  if (attempt_ >= config_.max_attempts || seconds_between(first_ns_, view.now_ns) >= config_.max_total_s) {
     phase_ = RecoveryPhase::gave_up;
     return;
   }
@@ -97,7 +96,7 @@ hal::Twist Recovery::step(const RecoveryView& view) {
   last_heading_rad_ = view.T_world_base.heading_rad;
   // Each pass either commands something or goes on to the next phase: asking and gave_up end it.
   while (phase_ == RecoveryPhase::waiting || phase_ == RecoveryPhase::backing || phase_ == RecoveryPhase::turning) {
-    const double in_phase_s = seconds(phase_ns_, view.now_ns);
+    const double in_phase_s = seconds_between(phase_ns_, view.now_ns);
     const bool is_late = in_phase_s >= config_.max_phase_s;
     if (phase_ == RecoveryPhase::waiting) {
       if (!is_late && in_phase_s < wait_s_) return {};
