@@ -98,6 +98,7 @@ void KinectNoise::apply_row(const ExactView& exact, std::uint64_t frame_key, std
       if ((edge_bits & 0xFFFF) < threshold(edge_share_ * model_.edge_dropout)) continue;
       // The outline wanders by a pixel of the sensor: its correlation window straddles it.
       const float beside = (edge_bits & 0x10000) != 0 ? left : right;
+      // The two bits that have always decided it come first, so that images of the sensor's own size stay as they are.
       const std::uint64_t turned_bits = ((edge_bits >> 17) & 3) << 14 | ((edge_bits >> 19) & 0x3FFF);
       const bool wanders = turned_bits < threshold(edge_share_ * model_.edge_wander);
       if (wanders && beside >= model_.near_m && beside <= model_.far_m) z = beside;

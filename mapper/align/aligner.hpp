@@ -33,8 +33,8 @@ struct AlignOptions {
   int most_steps = 8;                      ///< of Gauss-Newton
   hal::TimeNs least_age_ns = 200'000'000;  ///< planar: surfaces younger than this may be somebody who walks
   double least_matched = 0.4;              ///< of the chosen samples
-  /// Planar: a robot's odometry is no farther off than so many of its standard deviations. What asks for more is
-  /// somebody who moves, and most of whom was there before.
+  /// Planar, with a map: a robot's odometry is no farther off than so many of its standard deviations. What asks for
+  /// more is taken for somebody who moves, most of whom was there before; a robot that is pushed is not helped then.
   double most_surprise = 4.0;
 };
 
@@ -72,7 +72,7 @@ class Aligner {
     bool enough = false;
   };
   [[nodiscard]] Solution solve_from(const hal::Pose& predicted, const Matrix6& prior) const;
-  [[nodiscard]] AlignResult judge(const hal::Pose& predicted, const Matrix6& prior) const;
+  [[nodiscard]] AlignResult judge(const hal::Pose& predicted, const Matrix6& prior, double most_surprise) const;
 
   AlignOptions options_;
   DepthSamples samples_;
@@ -80,7 +80,7 @@ class Aligner {
   std::optional<hal::Pose> last_odometry_;
   hal::Pose last_pose_;
   hal::TimeNs last_stamp_ns_ = 0;
-  double since_aligned_s_ = 0.0;  ///< while frames are refused, odometry's errors add up
+  double since_aligned_s_ = 0.0;  ///< while a robot's frames are refused, odometry's errors add up
   std::array<double, 3> since_aligned_m_{};
   hal::TimeNs first_stamp_ns_ = 0;
   hal::TimeNs born_by_ns_ = 0;  ///< what this frame may be aligned to
