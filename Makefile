@@ -220,7 +220,7 @@ $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 # For a machine with nothing but an NVIDIA driver: scripts/gpu-test.
 $(BUILD)/gpu_bench $(BUILD)/gpu_query_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(SAY) $@
-	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
+	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 # Starts the helper under a tool.
 $(BUILD)/helper_by_shell: tests/bench/helper_by_shell.cpp

@@ -107,7 +107,13 @@ void BlockUpdater::lower_uniform(std::uint32_t chunk, std::uint32_t slot, Turn t
 
 void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags,
                           HitRecord* hits) {
-  if (hits != nullptr) hits->consumed = 1;
+  if (hits != nullptr) {
+    hits->consumed = 1;
+    if (hits->held_only != 0) {
+      if (flags != nullptr) submit_held(chunk, key, slot, *flags, *hits);
+      return;
+    }
+  }
   if (slot != kNoSlot) {
     const BlockHeader& header = map_->header(slot);
     if (hits == nullptr && is_settled(slot)) return;
@@ -117,6 +123,18 @@ void BlockUpdater::submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot,
     }
   }
   wait(chunk, {key, hits, kNoFlags, slot}, flags);
+}
+
+// What is only held needs no memory: as if there were no record, and nothing free where it says so.
+void BlockUpdater::submit_held(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags& flags,
+                               const HitRecord& held) {
+  alignas(64) FreeFlags rest;
+  std::uint8_t any = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    rest[i] = held.flags[i] != 0 ? std::uint8_t{0} : flags[i];
+    any |= rest[i];
+  }
+  if (any != 0) submit(chunk, key, slot, &rest, nullptr);
 }
 
 std::uint8_t BlockUpdater::bricks_missing(const BlockHeader& header, const HitRecord& hits) const {

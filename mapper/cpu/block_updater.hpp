@@ -172,10 +172,11 @@ class BlockUpdater {
       std::memcpy(&level, levels.data() + i, sizeof level);
       std::memcpy(&hit, hit_flags + i, sizeof hit);
       std::memcpy(&free, flags.data() + i, sizeof free);
-      // The highest bit of each byte: the level is above kUnknownLevel, the voxel kWeakFree and not hit.
+      // The highest bit of each byte: the level is above kUnknownLevel, the voxel kWeakFree, not hit and not held.
       constexpr std::uint64_t kEach = 0x0101010101010101ULL;
       const std::uint64_t occupied = (level & kEach * kLevelMask) + kEach * (0x7F - kUnknownLevel);
-      const std::uint64_t strong_or_hit = (free & kEach * 2) << 6 | (hit & kEach) << 7 | (hit & kEach * 2) << 6;
+      const std::uint64_t strong_or_hit =
+          (free & kEach * 2) << 6 | (hit & kEach * kHitFlag) << 7 | (hit & kEach * kHeldFlag) << 5;
       for (std::uint64_t contested = occupied & (free & kEach) << 7 & ~strong_or_hit & kEach * 0x80; contested != 0;
            contested &= contested - 1) {
         const std::size_t place = i + static_cast<std::size_t>(std::countr_zero(contested)) / 8;
@@ -186,6 +187,9 @@ class BlockUpdater {
 
   void submit_uniform(std::uint32_t chunk, BlockKey key, std::uint32_t slot);
   void submit(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags* flags, HitRecord* hits);
+  /// Nothing was hit in the block, and its held voxels stay as they are.
+  void submit_held(std::uint32_t chunk, BlockKey key, std::uint32_t slot, const FreeFlags& flags,
+                   const HitRecord& held);
   void wait(std::uint32_t chunk, Waiting waiting, const FreeFlags* flags);
   /// After hand_out().
   void apply_waiting(std::uint32_t chunk, const Waiting& waiting, const FreeFlags* flags);

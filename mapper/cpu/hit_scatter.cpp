@@ -48,11 +48,15 @@ void HitScatter::compute(const FrameGeometry& frame, const RayEnds& ends, const 
     for (int chunk = 0; chunk < chunks_; ++chunk) {
       cut_rows(chunk, frame, ends, rgb, kernels, [&](const Run& run) { put(run, record_for(run.block_id)); });
     }
+    for (int shard = 0; ends.counts().too_near > 0 && shard < kShards; ++shard) find_held_only(shard);
     return;
   }
   pool.parallel_for(static_cast<std::uint32_t>(chunks_),
                     [&](std::uint32_t chunk) { collect(static_cast<int>(chunk), frame, ends, rgb, kernels); });
-  pool.parallel_for(kShards, [&](std::uint32_t shard) { scatter_shard(static_cast<int>(shard)); });
+  pool.parallel_for(kShards, [&](std::uint32_t shard) {
+    scatter_shard(static_cast<int>(shard));
+    if (ends.counts().too_near > 0) find_held_only(static_cast<int>(shard));
+  });
 }
 
 // Runs begin where `starts` says so, 64 pixels to a word of bits. Where the row above was in the same voxel there is
@@ -110,10 +114,11 @@ void HitScatter::cut_rows(int chunk, const FrameGeometry& frame, const RayEnds& 
       }
       for (; bits != 0; bits &= bits - 1) {
         const int begin = u + std::countr_zero(bits);
-        std::uint32_t rgb_flags = static_cast<std::uint32_t>(kHitFlag) << 24;
+        const bool too_near = row.depth[begin] < row.near_raw;
+        std::uint32_t rgb_flags = static_cast<std::uint32_t>(too_near ? kHeldFlag : kHitFlag) << 24;
         if (colours != nullptr) {
           const std::uint8_t* colour = colours + 3 * begin;
-          rgb_flags |= static_cast<std::uint32_t>(row.colour_flag[begin]) << 24 |
+          rgb_flags |= static_cast<std::uint32_t>(too_near ? 0 : row.colour_flag[begin]) << 24 |
                        static_cast<std::uint32_t>(colour[0]) | static_cast<std::uint32_t>(colour[1]) << 8 |
                        static_cast<std::uint32_t>(colour[2]) << 16;
         }
@@ -140,11 +145,20 @@ HitRecord& HitScatter::record_for(std::uint32_t block_id) {
     HitRecord& fresh = records_[index - 1];
     fresh.block_id = block_id;
     fresh.consumed = 0;
+    fresh.held_only = 0;
     fresh.flags.fill(0);
     const std::size_t shard = block_id % kShards;
     shard_records_[shard][shard_counts_[shard]++] = index - 1;
   }
   return records_[index - 1];
+}
+
+void HitScatter::find_held_only(int s) {
+  for (const std::uint32_t index : shard(s)) {
+    std::uint8_t any = 0;
+    for (const std::uint8_t flags : records_[index].flags) any |= flags;
+    records_[index].held_only = (any & kHitFlag) != 0 ? 0 : 1;
+  }
 }
 
 void HitScatter::scatter_shard(int shard) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. The image is cut into
+// Every trusted reading goes to the voxel that it falls into: exact, whatever the integrator. One that is too near to
+// be trusted goes there as well, and says only that no ray of the same frame may free the voxel. The image is cut into
 // runs of pixels that stay in one voxel; runs are dealt to shards by their block, and each shard walks its runs in
 // pixel order, so that the lowest pixel index colours a voxel whatever the number of threads. A single thread needs no
 // shards.
@@ -21,8 +22,9 @@ namespace g3d::mapper::cpu {
 /// What one frame measured in one block.
 struct HitRecord {
   std::uint32_t block_id;                           ///< in the frame's box
-  std::uint32_t consumed;                           ///< set by the integrator when it has applied the record
-  alignas(64) std::array<std::uint8_t, 512> flags;  ///< kHitFlag, kColourFlag by place
+  std::uint16_t consumed;                           ///< set by the integrator when it has applied the record
+  std::uint16_t held_only;                          ///< 1: no voxel was hit, some are held
+  alignas(64) std::array<std::uint8_t, 512> flags;  ///< kHitFlag, kColourFlag, kHeldFlag by place
   std::array<std::uint32_t, 512> rgb;               ///< R | G << 8 | B << 16 of the lowest pixel index that may colour
                                                     ///< the voxel; valid where kColourFlag is set
 };
@@ -77,6 +79,7 @@ class HitScatter {
   void collect(int chunk, const FrameGeometry& frame, const RayEnds& ends, const std::uint8_t* rgb,
                const Kernels& kernels);
   void scatter_shard(int shard);
+  void find_held_only(int shard);
   [[nodiscard]] HitRecord& record_for(std::uint32_t block_id);
 
   const SensorGeometry* sensor_;

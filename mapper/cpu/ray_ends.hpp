@@ -3,12 +3,12 @@
 //
 //   reading within the certainty bounds   carves to the reading
 //   beyond far_m                          carves to far_m
-//   nearer than near_m                    carves nothing (and is counted: navigation is told)
+//   nearer than near_m                    carves nothing (and is counted: navigation is told); no other ray of the
+//                                         frame frees the voxel in which it lies (see HitScatter)
 //   no reading                            the free scan mask, but never beyond the nearest of the readings that bound
-//   the
-//                                         invalid run along its row and its column; nothing if none bounds it or if
-//                                         that nearest reading is itself too near (then the run may well be too near,
-//                                         too)
+//                                         the invalid run along its row and its column; nothing if none bounds it or
+//                                         if that nearest reading is itself too near (then the run may well be too
+//                                         near, too)
 // Ends of pixels without a reading are *weak*: they never wear down what was measured (see ApplyBlock).
 #pragma once
 

@@ -142,8 +142,8 @@ struct Memory {
   std::uint32_t* pyramid[kPyramidLevels];  ///< minimum | maximum << 16
   std::uint32_t* tile_kinds;               ///< of each tile of readings, see kind_of(): 4 words
   // Hits
-  std::uint32_t* pixel_block;      ///< block of the box in which a pixel's reading lies, kNone without a trusted one
-  std::uint16_t* pixel_code;       ///< M & 511 << 1 | may give its colour
+  std::uint32_t* pixel_block;  ///< block of the box in which a pixel's reading lies, kNone without one up to far_raw
+  std::uint16_t* pixel_code;   ///< see HitTile
   std::uint32_t* record_of_block;  ///< index + 1; 0 = none
   std::uint32_t* hits;             ///< 512 per record: see hits.hpp. All ones between frames
   // Rays

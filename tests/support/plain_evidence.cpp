@@ -103,6 +103,19 @@ PlainHits plain_hits(const SensorGeometry& sensor, const FrameGeometry& frame, c
   return hits;
 }
 
+std::set<MCode> plain_held(const SensorGeometry& sensor, const FrameGeometry& frame, const std::uint16_t* depth) {
+  std::set<MCode> held;
+  for (int v = 0; v < sensor.camera.height_px; ++v) {
+    for (int u = 0; u < sensor.camera.width_px; ++u) {
+      const std::uint16_t raw = depth[pixel_at(sensor.camera, u, v)];
+      if (raw == 0 || raw >= sensor.near_raw || raw > sensor.far_raw) continue;
+      const auto k = index_of(sensor, world_point_m(sensor, frame, u, v, raw));
+      held.insert(encode({k[0], k[1], k[2]}));
+    }
+  }
+  return held;
+}
+
 namespace {
 
 /// One ray in voxel units, and the indices of the voxels at its ends.

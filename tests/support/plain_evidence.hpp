@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -28,6 +29,10 @@ struct PlainHit {
 using PlainHits = std::map<mapper::MCode, PlainHit>;
 [[nodiscard]] PlainHits plain_hits(const mapper::cpu::SensorGeometry& sensor, const mapper::cpu::FrameGeometry& frame,
                                    const std::uint16_t* depth);
+
+/// Voxels with a reading that is too near to be trusted: no ray frees them.
+[[nodiscard]] std::set<mapper::MCode> plain_held(const mapper::cpu::SensorGeometry& sensor,
+                                                 const mapper::cpu::FrameGeometry& frame, const std::uint16_t* depth);
 
 /// The voxels that a ray passes before it reaches its last, in order. `end_raw`: depth of the end in raw units.
 [[nodiscard]] std::vector<mapper::VoxelIndex> plain_ray(const mapper::cpu::SensorGeometry& sensor,

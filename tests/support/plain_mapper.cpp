@@ -49,9 +49,10 @@ void PlainMapper::integrate(const hal::Frame& frame, const hal::Pose& T_world_ca
   const std::uint16_t* depth = frame.depth.get();
   const std::vector<std::uint16_t> ends = plain_ray_ends(sensor_, depth, mask_, config_.carve_invalid);
   const PlainHits hits = plain_hits(sensor_, *geometry, depth);
+  const std::set<MCode> held = plain_held(sensor_, *geometry, depth);
   if (config_.mode == MapMode::dynamic_mode) {
     for (const auto& [code, seen] : plain_free(sensor_, *geometry, depth, ends, config_.integrator)) {
-      if (!hits.contains(code)) plain_update(voxel(code), false, seen, nullptr, config_.steps);
+      if (!hits.contains(code) && !held.contains(code)) plain_update(voxel(code), false, seen, nullptr, config_.steps);
     }
   }
   const bool with_colour = config_.with_colour && frame.has_colour;

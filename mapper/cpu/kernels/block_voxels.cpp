@@ -126,7 +126,9 @@ ApplyResult apply_block(const ApplyBlock& block) {
       const std::uint8_t lowered = static_cast<std::uint8_t>(level - std::min(level, miss_step));
       const std::uint8_t after_a_miss = lowered == kUnknownLevel ? kUnknownLevel - 1 : lowered;
       // A pixel without a reading never wears down what was measured: it may be blind because something is too near.
-      const bool is_free = (free[i] == kStrongFree) | ((free[i] != 0) & (level <= kUnknownLevel));
+      // Nor does a ray past the outline of what is too near: the voxel is held.
+      const bool passed = (free[i] == kStrongFree) | ((free[i] != 0) & (level <= kUnknownLevel));
+      const bool is_free = passed & (hits[i] == 0);
       const std::uint8_t moved = is_free ? after_a_miss : level;
       const std::uint8_t next = (hits[i] & kHitFlag) != 0 ? after_a_hit : moved;
       const std::uint8_t colour = next > kUnknownLevel ? old_byte & kHasColourBit : 0;

@@ -99,9 +99,9 @@ void unproject_row(const UnprojectRow& row) {
   const UnprojectRow r = row;
   for (int u = 0; u < r.width; ++u) {
     const std::uint16_t d = depth[u];
-    const bool trusted = d >= r.near_raw && d <= r.far_raw;
-    // Untrusted readings are computed as the nearest trusted one, so that every number stays inside the box.
-    const float z = static_cast<float>(trusted ? d : r.near_raw) * r.metres_per_unit;
+    const bool counts = d != 0 && d <= r.far_raw;
+    // Others are computed as the nearest trusted one, so that every number stays inside the box.
+    const float z = static_cast<float>(counts ? d : r.near_raw) * r.metres_per_unit;
     const float x_m = (r.row_part[0] + slope[u] * r.column[0]) * z + r.translation[0];
     const float y_m = (r.row_part[1] + slope[u] * r.column[1]) * z + r.translation[1];
     const float z_m = (r.row_part[2] + slope[u] * r.column[2]) * z + r.translation[2];
@@ -109,15 +109,15 @@ void unproject_row(const UnprojectRow& row) {
     const std::int32_t ky = static_cast<std::int32_t>(std::ceil(y_m / r.resolution_m)) + 32767 - r.origin[1];
     const std::int32_t kz = static_cast<std::int32_t>(std::ceil(z_m / r.resolution_m)) + 32767 - r.origin[2];
     const std::int32_t id = (kx >> 3) + (ky >> 3) * r.nx_blocks + (kz >> 3) * r.nxy_blocks;
-    block_id[u] = trusted ? static_cast<std::uint32_t>(id) : kNoBlock;
+    block_id[u] = counts ? static_cast<std::uint32_t>(id) : kNoBlock;
     place[u] = static_cast<std::uint16_t>(spread_three_bits(kx & 7) | (spread_three_bits(ky & 7) << 1) |
                                           (spread_three_bits(kz & 7) << 2));
   }
   const std::uint8_t* __restrict colour_flag = row.colour_flag;
   std::uint32_t* __restrict code = row.code;
   for (int u = 0; u < r.width; ++u) {
-    code[u] =
-        block_id[u] << 10 | static_cast<std::uint32_t>(place[u]) << 1 | static_cast<std::uint32_t>(colour_flag[u] >> 1);
+    const std::uint32_t kind = depth[u] < r.near_raw ? 2U : static_cast<std::uint32_t>(colour_flag[u] >> 1);
+    code[u] = block_id[u] << 11 | static_cast<std::uint32_t>(place[u]) << 2 | kind;
   }
   std::uint8_t* __restrict starts = row.starts;
   starts[0] = block_id[0] != kNoBlock ? 1 : 0;

@@ -20,7 +20,8 @@ struct RowCounts {
 };
 
 inline constexpr std::uint8_t kHitFlag = 1;     ///< a measured point fell into the voxel
-inline constexpr std::uint8_t kColourFlag = 2;  ///< and HitRecord::pixel names the pixel that colours it
+inline constexpr std::uint8_t kColourFlag = 2;  ///< and HitRecord::rgb is the colour of its lowest pixel
+inline constexpr std::uint8_t kHeldFlag = 4;    ///< a reading too near to be trusted fell into it: no ray frees it
 inline constexpr std::uint8_t kWeakFree = 1;    ///< seen through by a pixel without reading only
 inline constexpr std::uint8_t kStrongFree = 3;  ///< seen through by a measured ray
 inline constexpr std::uint32_t kNoBlock = 0xFFFFFFFFU;
@@ -52,14 +53,14 @@ struct UnprojectRow {
   std::int32_t origin[3];
   std::int32_t nx_blocks;
   std::int32_t nxy_blocks;
-  std::uint32_t* block_id;          ///< out: block in the frame's box, kNoBlock without a trusted reading
+  std::uint32_t* block_id;          ///< out: block in the frame's box, kNoBlock without a reading up to far_raw
   std::uint16_t* place;             ///< out: M & 511
   const std::uint8_t* colour_flag;  ///< from ClassifyRow
-  std::uint32_t* code;              ///< out: block_id << 10 | place << 1 | whether the flag is set
-  std::uint8_t* starts;  ///< out: 1 at trusted readings whose voxel or colour flag is not that of the pixel before
+  std::uint32_t* code;              ///< out: block_id << 11 | place << 2 | too near << 1 | may give its colour
+  std::uint8_t* starts;             ///< out: 1 at readings whose block or code is not that of the pixel before
 };
 /// Boxes with more blocks have voxels that share a code.
-inline constexpr std::uint32_t kMostCodedBlocks = 1U << 22;
+inline constexpr std::uint32_t kMostCodedBlocks = 1U << 21;
 
 inline constexpr std::uint16_t kUnbounded = 0xFFFF;  ///< no reading bounds the invalid run on that side
 

@@ -4,6 +4,7 @@
 // A record holds one word per voxel, the least of what its pixels offer:
 //   pixel index                may give its colour
 //   pixel index | kNoColour    was measured, but lies at a depth edge (or there is no colour image)
+//   kHeld                      a reading too near to be trusted: no ray frees the voxel
 //   all ones                   nothing was measured
 #pragma once
 
@@ -12,7 +13,9 @@
 namespace g3d::mapper::cuda {
 
 inline constexpr std::uint32_t kNoColour = 0x80000000U;
+inline constexpr std::uint32_t kHeld = 0xFFFFFFFEU;
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFU;
+[[nodiscard]] constexpr bool is_hit(std::uint32_t word) { return word < kHeld; }
 inline constexpr int kTileColumns = 32;
 inline constexpr int kTileRows = 32;
 inline constexpr int kTileShare = kTileColumns * kTileRows / kPixelThreads;  ///< pixels of a thread, in different rows
@@ -36,12 +39,12 @@ inline G3D_GPU bool gives_colour(const FrameParams& f, const Memory& m, int u, i
 
 /// Where a pixel's reading lies in the frame's box.
 struct PixelHit {
-  std::uint32_t block_id;  ///< kNone: no trusted reading
+  std::uint32_t block_id;  ///< kNone: no reading up to far_raw
   std::uint32_t place;     ///< M & 511
 };
 
 inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, int v, int reading) {
-  if (reading < f.near_raw || reading > f.far_raw || reading == 0) return {kNone, 0};
+  if (reading > f.far_raw || reading == 0) return {kNone, 0};
   const float z = static_cast<float>(reading) * f.metres_per_unit;
   const float column = m.column_slope[u];
   const float row = m.row_slope[v];
@@ -64,7 +67,7 @@ inline G3D_GPU PixelHit unproject(const FrameParams& f, const Memory& m, int u, 
 /// What the pixels of a tile say, with a border that says nothing.
 struct HitTile {
   std::uint32_t block_id[kTileRows + 1][kTileColumns + 2];
-  std::uint16_t code[kTileRows + 1][kTileColumns + 2];  ///< place << 1 | may give its colour
+  std::uint16_t code[kTileRows + 1][kTileColumns + 2];  ///< place << 2 | too near << 1 | may give its colour
   std::uint32_t found;                                  ///< blocks that nobody had numbered
   std::uint32_t first_record;
 };
@@ -122,9 +125,10 @@ inline G3D_GPU void mark_hit_blocks(const Block& block, const Memory& m, const F
         const int u = pixel % f.width_px;
         const int v = pixel / f.width_px;
         hit = unproject(f, m, u, v, reading);
-        const bool coloured = hit.block_id != kNone && f.with_colour != 0 && gives_colour(f, m, u, v);
+        const bool near = reading < f.near_raw;
+        const bool coloured = hit.block_id != kNone && !near && f.with_colour != 0 && gives_colour(f, m, u, v);
         m.pixel_block[pixel] = hit.block_id;
-        m.pixel_code[pixel] = static_cast<std::uint16_t>(hit.place << 1 | (coloured ? 1 : 0));
+        m.pixel_code[pixel] = static_cast<std::uint16_t>(hit.place << 2 | (near ? 2U : 0U) | (coloured ? 1U : 0U));
       }
       s.block_id[tile_y(t, k) + 1][tile_x(t) + 1] = hit.block_id;
     }
@@ -199,8 +203,8 @@ inline G3D_GPU void scatter_hits(const Block& block, const Memory& m, const Fram
       if (records[k] == 0) continue;
       const std::uint32_t code = s.code[tile_y(t, k) + 1][x + 1];
       const std::uint32_t pixel = static_cast<std::uint32_t>(pixel_of(f, tile, t, k));
-      std::uint32_t* word = m.hits + static_cast<std::size_t>(records[k] - 1) * kVoxels + (code >> 1);
-      atomic_min(word, (code & 1U) != 0 ? pixel : pixel | kNoColour);
+      std::uint32_t* word = m.hits + static_cast<std::size_t>(records[k] - 1) * kVoxels + (code >> 2);
+      atomic_min(word, (code & 2U) != 0 ? kHeld : (code & 1U) != 0 ? pixel : pixel | kNoColour);
     }
   });
 }

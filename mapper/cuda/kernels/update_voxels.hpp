@@ -28,10 +28,13 @@ struct alignas(16) UpdateState {
 inline G3D_GPU std::uint32_t byte_of(std::uint32_t word, int k) { return word >> (8 * k) & 0xFFU; }
 
 /// `free`: bit 0, some ray passes; bit 2, a measured one.
-inline G3D_GPU std::uint32_t updated_byte(const FrameParams& f, std::uint32_t old_byte, bool hit, std::uint32_t free) {
+inline G3D_GPU std::uint32_t updated_byte(const FrameParams& f, std::uint32_t old_byte, std::uint32_t hit,
+                                          std::uint32_t free) {
   const std::uint8_t level = static_cast<std::uint8_t>(old_byte & kLevelMask);
-  const bool is_free = (free & (level <= kUnknownLevel ? 5U : 4U)) != 0;
-  const std::uint32_t next = hit ? after_hit(level, steps_of(f)) : is_free ? after_miss(level, steps_of(f)) : level;
+  const bool is_free = hit == kNoHit && (free & (level <= kUnknownLevel ? 5U : 4U)) != 0;
+  const std::uint32_t next = is_hit(hit) ? after_hit(level, steps_of(f))
+                             : is_free   ? after_miss(level, steps_of(f))
+                                         : level;
   return next | (next > kUnknownLevel ? old_byte & kHasColourBit : 0U);
 }
 
@@ -116,7 +119,7 @@ inline G3D_GPU std::uint32_t updated_pair(const FrameParams& f, const Memory& m,
   for (int i = 0; i < 2; ++i) {
     const std::uint32_t hit = i == 0 ? pair.hit[0] : pair.hit[1];
     const std::uint32_t old_byte = byte_of(pair.old, i);
-    const std::uint32_t new_byte = updated_byte(f, old_byte, hit != kNoHit, free >> i);
+    const std::uint32_t new_byte = updated_byte(f, old_byte, hit, free >> i);
     summary |= new_byte != old_byte ? kAnyChange : 0U;
     summary |= hit < kNoColour && (new_byte & kLevelMask) > kUnknownLevel ? kAnyColour : 0U;
     bytes |= new_byte << (8 * i);

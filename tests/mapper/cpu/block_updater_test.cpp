@@ -61,9 +61,14 @@ struct Scene {
         e.hits->block_id = id;
         e.hits->consumed = 0;
         e.hits->flags.fill(0);
+        const std::uint32_t kind = random.below(3);  // all were trusted, some were too near, all were
+        e.hits->held_only = kind == 2 ? 1 : 0;
         for (std::size_t i = 0; i < kBlockVoxels; ++i) {
           if (random.below(id % 2 == 0 ? 100 : 4) != 0) continue;
-          e.hits->flags[i] = random.below(3) == 0 ? kHitFlag : kHitFlag | kColourFlag;
+          const std::uint8_t hit = random.below(3) == 0 ? kHitFlag : kHitFlag | kColourFlag;
+          e.hits->flags[i] = hit;
+          if (kind == 2 || (kind == 1 && random.below(3) == 0)) e.hits->flags[i] = kHeldFlag;
+          if (kind == 1 && random.below(4) == 0) e.hits->flags[i] = static_cast<std::uint8_t>(hit | kHeldFlag);
           e.hits->rgb[i] = random.below(1U << 24);
         }
       }
@@ -101,6 +106,7 @@ struct Scene {
                           : flag == kWeakFree ? test::Seen::weak
                                               : test::Seen::no;
         if (seen == test::Seen::weak && is_strong(static_cast<int>(place))) seen = test::Seen::strong;
+        if ((hit & kHeldFlag) != 0) seen = test::Seen::no;
         const std::uint32_t c = e.hits ? e.hits->rgb[place] : 0U;
         const std::array<std::uint8_t, 3> rgb{static_cast<std::uint8_t>(c), static_cast<std::uint8_t>(c >> 8),
                                               static_cast<std::uint8_t>(c >> 16)};

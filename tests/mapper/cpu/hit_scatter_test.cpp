@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/cpu/hit_scatter.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
 #include <set>
@@ -43,10 +44,25 @@ ColouredHits expected_hits(const SensorGeometry& sensor, const FrameGeometry& fr
   return hits;
 }
 
+/// Voxels that a reading too near to be trusted holds.
+std::set<MCode> held_by(HitScatter& scatter, const FrameGeometry& frame) {
+  std::set<MCode> held;
+  for (std::uint32_t id = 0; id < frame.block_count(); ++id) {
+    const HitRecord* record = scatter.find(id);
+    if (record == nullptr) continue;
+    for (std::size_t place = 0; place < kBlockVoxels; ++place) {
+      if ((record->flags[place] & kHeldFlag) != 0) held.insert((frame.block_key(id) << kBlockShift) | place);
+    }
+  }
+  return held;
+}
+
 }  // namespace
 
 TEST_CASE("every trusted reading marks its voxel, coloured by the lowest pixel that may, for any number of threads",
           "[threads]") {
+  std::size_t held_voxels = 0;
+  std::size_t held_blocks = 0;
   for (const float resolution_m : {0.02F, 0.1F}) {
     hal::CameraModel camera = test::small_camera(92);
     camera.width_px -= 1;
@@ -64,6 +80,9 @@ TEST_CASE("every trusted reading marks its voxel, coloured by the lowest pixel t
         scatter.compute(*frame, ends, image.rgb.get(), best_kernels(), pool);
         const auto expected = expected_hits(sensor, *frame, image.depth.get(), image.rgb.get());
         REQUIRE(hits_of(scatter, *frame) == expected);
+        const std::set<MCode> held = test::plain_held(sensor, *frame, image.depth.get());
+        REQUIRE(held_by(scatter, *frame) == held);
+        held_voxels += held.size();
 
         std::set<std::uint32_t> listed;
         for (int s = 0; s < HitScatter::kShards; ++s) {
@@ -72,12 +91,18 @@ TEST_CASE("every trusted reading marks its voxel, coloured by the lowest pixel t
             CHECK(listed.insert(record.block_id).second);
             CHECK(scatter.find(record.block_id) == &record);
             CHECK(record.consumed == 0);
+            const bool any_hit = std::any_of(record.flags.begin(), record.flags.end(),
+                                             [](std::uint8_t flags) { return (flags & kHitFlag) != 0; });
+            CHECK(record.held_only == (any_hit ? 0 : 1));
+            held_blocks += record.held_only;
           }
         }
         CHECK(listed.size() == scatter.block_count());
       }
     }
   }
+  CHECK(held_voxels > 1000);
+  CHECK(held_blocks > 100);
 }
 
 TEST_CASE("clear forgets every record, and an image without readings makes none") {
@@ -96,11 +121,14 @@ TEST_CASE("clear forgets every record, and an image without readings makes none"
   scatter.clear();
   CHECK(scatter.block_count() == 0);
   CHECK(hits_of(scatter, *frame).empty());
-  for (const std::uint16_t raw : {0, 799, 3501, 65535}) {
+  for (const std::uint16_t raw : {0, 1, 799, 3501, 65535}) {
     depth.assign(depth.size(), raw);
     ends.compute(depth.data(), best_kernels(), pool);
     scatter.compute(*frame, ends, rgb.data(), best_kernels(), pool);
-    CHECK(scatter.block_count() == 0);
+    const bool too_near = raw > 0 && raw < 800;
+    CHECK((scatter.block_count() > 0) == too_near);
+    CHECK(hits_of(scatter, *frame).empty());
+    CHECK(held_by(scatter, *frame).empty() != too_near);
     scatter.clear();
   }
 }

@@ -136,7 +136,7 @@ TEST_CASE("bound_up takes the nearest of all bounds, and nothing if there is non
   }
 }
 
-TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the next run starts") {
+TEST_CASE("unproject_row finds the voxel of each reading that is not too far, and where the next run starts") {
   Random random(4);
   for (const int width : {4, 8, 36, 100, 332}) {
     const hal::CameraModel camera = test::small_camera(width);
@@ -183,9 +183,9 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
           kernels->unproject_row(row);
           const Grid grid{resolution_m};
           for (std::size_t u = 0; u < depth.size(); ++u) {
-            const bool trusted = depth[u] >= kNear && depth[u] <= kFar;
-            REQUIRE((ids[u] == kNoBlock) != trusted);
-            if (trusted) {
+            const bool counts = depth[u] > 0 && depth[u] <= kFar;
+            REQUIRE((ids[u] == kNoBlock) != counts);
+            if (counts) {
               const float z = static_cast<float>(depth[u]) * sensor.metres_per_unit;
               std::array<float, 3> p;
               for (std::size_t a = 0; a < 3; ++a) {
@@ -195,12 +195,11 @@ TEST_CASE("unproject_row finds the voxel of each trusted reading, and where the 
               REQUIRE(frame->block_key(ids[u]) == code >> kBlockShift);
               REQUIRE(places[u] == (code & kPlaceMask));
             }
-            const bool differs =
-                u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1] || flags[u] != flags[u - 1];
-            const bool starts_here = trusted && differs;
+            const auto kind = [&](std::size_t i) { return depth[i] < kNear ? 2U : flags[i] != 0 ? 1U : 0U; };
+            const bool differs = u == 0 || ids[u] != ids[u - 1] || places[u] != places[u - 1] || kind(u) != kind(u - 1);
+            const bool starts_here = counts && differs;
             REQUIRE(starts[u] == (starts_here ? 1 : 0));
-            REQUIRE(codes[u] ==
-                    (ids[u] << 10 | static_cast<std::uint32_t>(places[u]) << 1 | (flags[u] != 0 ? 1U : 0U)));
+            REQUIRE(codes[u] == (ids[u] << 11 | static_cast<std::uint32_t>(places[u]) << 2 | kind(u)));
           }
         }
       }
