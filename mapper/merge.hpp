@@ -28,8 +28,7 @@ struct MergeOptions {
   std::optional<MapCapacity> capacity;  ///< none: what the result can need at most
 };
 
-/// A source of the target's resolution, not turned against it and shifted by whole voxels, is taken exactly. Others are
-/// resampled: each target voxel looks up the source voxel that its centre falls into.
+/// Sources are taken exactly where they can be, else resampled: see MapSampler.
 /// Errors: bad_usage (no source, bad pose or resolution), no_capacity. Thread: no source may be written meanwhile.
 [[nodiscard]] hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> sources,
                                                                 const MergeOptions& options = {});

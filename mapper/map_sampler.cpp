@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/map_sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace g3d::mapper {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+/// 32767 + ceil(x / r) in double; outside of the grid for anything beyond it.
+std::int32_t sampled_index(double x_m, double resolution_m) {
+  const double k = kAxisOffset_cells + std::ceil(x_m / resolution_m);
+  return k >= 0 && k < kAxisCells ? static_cast<std::int32_t>(k) : -1;
+}
+
+}  // namespace
+
+MapSampler::MapSampler(const VoxelMap& map, const hal::Pose& T_world_map, const Grid& target,
+                       const hal::Pose& T_world_target)
+    : source_(map), target_(target) {
+  const hal::Pose T_source_target = hal::compose(hal::inverse(T_world_map), T_world_target);
+  T_source_target_ = transform_of(T_source_target);
+  T_target_source_ = transform_of(hal::inverse(T_source_target));
+  is_aligned_ = find_shift();
+}
+
+std::array<double, 3> MapSampler::Transform::apply(const Vector& p) const {
+  Vector out;
+  for (std::size_t row = 0; row < 3; ++row) {
+    out[row] =
+        rotation[3 * row] * p[0] + rotation[3 * row + 1] * p[1] + rotation[3 * row + 2] * p[2] + translation_m[row];
+  }
+  return out;
+}
+
+MapSampler::Transform MapSampler::transform_of(const hal::Pose& pose) {
+  const auto [x, y, z, w] = hal::normalised(pose).rotation_xyzw;
+  return {
+      {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z),
+       2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
+      pose.translation_m};
+}
+
+void MapSampler::add_target_keys(std::vector<BlockKey>& keys) const {
+  for (const BlockKey key : source_.sorted_keys()) {
+    const auto [low, high] = touched_box(block_origin(key));
+    for (std::int32_t z = low.z & ~7; z <= high.z; z += kBlockSide_cells) {
+      for (std::int32_t y = low.y & ~7; y <= high.y; y += kBlockSide_cells) {
+        for (std::int32_t x = low.x & ~7; x <= high.x; x += kBlockSide_cells) {
+          if (is_inside_grid(VoxelIndex{x, y, z})) keys.push_back(block_of({x, y, z}));
+        }
+      }
+    }
+  }
+}
+
+void MapSampler::sample(BlockKey target_key, BlockValues& out) {
+  const VoxelIndex origin = block_origin(target_key);
+  const bool whole_blocks = is_aligned_ && shift_.x % 8 == 0 && shift_.y % 8 == 0 && shift_.z % 8 == 0;
+  if (whole_blocks) {
+    const VoxelIndex v{origin.x + shift_.x, origin.y + shift_.y, origin.z + shift_.z};
+    if (!is_inside_grid(v) || !source_.read_stored_block(block_of(v), out)) out.fill(kUnknownRgbo);
+    return;
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const VoxelIndex place = decode(i);
+    out[i] = look_up(source_voxel({origin.x + place.x, origin.y + place.y, origin.z + place.z}));
+  }
+}
+
+bool MapSampler::find_shift() {
+  if (!(source_.grid() == target_)) return false;
+  constexpr double kSlack = 1e-6;  // of a voxel, and over the whole grid for the rotation
+  for (std::size_t i = 0; i < 9; ++i) {
+    if (std::abs(T_source_target_.rotation[i] - (i % 4 == 0 ? 1.0 : 0.0)) > kSlack / kAxisCells) return false;
+  }
+  std::array<std::int32_t, 3> shift;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double cells = T_source_target_.translation_m[axis] / static_cast<double>(target_.resolution_m);
+    if (std::abs(cells) > kAxisCells || std::abs(cells - std::round(cells)) > kSlack) return false;
+    shift[axis] = static_cast<std::int32_t>(std::lround(cells));
+  }
+  shift_ = {shift[0], shift[1], shift[2]};
+  return true;
+}
+
+MapSampler::Box MapSampler::touched_box(const VoxelIndex& origin) const {
+  if (is_aligned_) {
+    const VoxelIndex low{origin.x - shift_.x, origin.y - shift_.y, origin.z - shift_.z};
+    return {low, {low.x + 7, low.y + 7, low.z + 7}};
+  }
+  Vector low{1e300, 1e300, 1e300};
+  Vector high{-1e300, -1e300, -1e300};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector at{edge_m(origin.x + (corner & 1) * 8), edge_m(origin.y + (corner >> 1 & 1) * 8),
+                    edge_m(origin.z + (corner >> 2) * 8)};
+    const Vector p = T_target_source_.apply(at);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], p[axis]);
+      high[axis] = std::max(high[axis], p[axis]);
+    }
+  }
+  const auto cell = [&](double x_m) {
+    const double k = kAxisOffset_cells + std::ceil(x_m / static_cast<double>(target_.resolution_m));
+    return static_cast<std::int32_t>(std::clamp(k, 0.0, kAxisCells - 1.0));
+  };
+  return {{cell(low[0]), cell(low[1]), cell(low[2])}, {cell(high[0]), cell(high[1]), cell(high[2])}};
+}
+
+double MapSampler::edge_m(std::int32_t k) const {
+  return (static_cast<double>(k) - 32768.0) * static_cast<double>(source_.grid().resolution_m);
+}
+
+VoxelIndex MapSampler::source_voxel(const VoxelIndex& target) const {
+  if (is_aligned_) return {target.x + shift_.x, target.y + shift_.y, target.z + shift_.z};
+  const Vector p = T_source_target_.apply(target_.centre_m(target));
+  const auto r = static_cast<double>(source_.grid().resolution_m);
+  return {sampled_index(p[0], r), sampled_index(p[1], r), sampled_index(p[2], r)};
+}
+
+Rgbo MapSampler::look_up(const VoxelIndex& v) {
+  if (!is_inside_grid(v)) return kUnknownRgbo;
+  const MCode code = encode(v);
+  if (code >> kBlockShift != cached_key_) {
+    cached_key_ = code >> kBlockShift;
+    source_.read_stored_block(cached_key_, cached_);
+  }
+  return cached_[code & kPlaceMask];
+}
+
+}  // namespace g3d::mapper

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// One map as seen from another's grid. A map of the same resolution, not turned against it and shifted by whole voxels,
+// is taken exactly. Others are resampled: each target voxel looks up the source voxel that its centre falls into.
+// Thread: while nobody writes the map.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "hal/geometry.hpp"
+#include "mapper/voxel_map.hpp"
+
+namespace g3d::mapper {
+
+class MapSampler {
+ public:
+  /// `map` outlives the sampler.
+  MapSampler(const VoxelMap& map, const hal::Pose& T_world_map, const Grid& target, const hal::Pose& T_world_target);
+
+  /// Appends every target block that a block of the map may touch; some of them twice.
+  void add_target_keys(std::vector<BlockKey>& keys) const;
+  /// The map's codes (stored form) at the 512 voxels of a target block.
+  void sample(BlockKey target_key, BlockValues& out);
+
+ private:
+  /// A pose as matrix in double precision: at 1 km a float's last bit is a tenth of a millimetre already.
+  struct Transform {
+    std::array<double, 9> rotation;
+    std::array<double, 3> translation_m;
+    [[nodiscard]] std::array<double, 3> apply(const std::array<double, 3>& p) const;
+  };
+  struct Box {
+    VoxelIndex low, high;
+  };
+  [[nodiscard]] static Transform transform_of(const hal::Pose& pose);
+  /// Whether source voxel = target voxel + shift_ holds everywhere.
+  [[nodiscard]] bool find_shift();
+  /// Target voxels whose centres may fall into a source block.
+  [[nodiscard]] Box touched_box(const VoxelIndex& origin) const;
+  [[nodiscard]] double edge_m(std::int32_t k) const;
+  [[nodiscard]] VoxelIndex source_voxel(const VoxelIndex& target) const;
+  [[nodiscard]] Rgbo look_up(const VoxelIndex& v);
+
+  const VoxelMap& source_;
+  Grid target_;
+  Transform T_source_target_{};
+  Transform T_target_source_{};
+  bool is_aligned_ = false;
+  VoxelIndex shift_;
+  BlockKey cached_key_ = VoxelMap::kNoKey;
+  BlockValues cached_{};
+};
+
+}  // namespace g3d::mapper
