@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The map as a chain of submaps, each with a pose of its own: a pose that is corrected later moves its voxels without
+// touching them.
+//
+// Frames go into one map, the view, as if there were no submaps. When the robot has gone some metres, what has changed
+// since is kept as a submap: the voxels whose codes are not what the submaps before say. So the newest submap that
+// knows a voxel says what it is, and as long as no pose is corrected the chain is the view, to the bit. After a
+// correction rebuild() makes the view anew. Thread: the one that maps. Allocates when a submap is finished.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hal/geometry.hpp"
+#include "hal/messages.hpp"
+#include "mapper/map_sampler.hpp"
+#include "mapper/voxel_map.hpp"
+
+namespace g3d::mapper::submaps {
+
+struct ChainOptions {
+  double most_way_m = 4.0;  ///< a submap is finished after so much driving ...
+  double most_turn_rad = 6.3;
+  double most_s = 30.0;  ///< ... or time
+};
+
+struct Submap {
+  hal::TimeNs first_ns = 0;
+  hal::TimeNs last_ns = 0;
+  hal::Pose T_world_stored;          ///< where the grid of its voxels stands; nowhere else until it is corrected
+  hal::Pose T_stored_anchor;         ///< the camera half-way: what its pose is about
+  double way_m = 0.0;                ///< from the anchor before to this one
+  double turn_rad = 0.0;             ///< the same, all turns added up
+  std::unique_ptr<VoxelMap> voxels;  ///< stored codes
+  std::vector<BlockKey> view_keys;   ///< blocks of the view that it may touch, ascending
+
+  [[nodiscard]] hal::Pose T_world_anchor() const { return hal::compose(T_world_stored, T_stored_anchor); }
+};
+
+class SubmapChain {
+ public:
+  /// `view`: the map that frames go into, empty or with what is known from the start; outlives the chain.
+  SubmapChain(VoxelMap& view, const ChainOptions& options = {});
+
+  /// After every frame, with the slots of the view that it has changed. True: time to finish the submap.
+  bool add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera, std::span<const std::uint32_t> changed_slots);
+  /// Keeps what has changed. False if there was no frame since the last one.
+  bool finish_submap();
+
+  [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  /// Where each stands from now on; one pose each. The view is as it was until rebuild().
+  void place(std::span<const hal::Pose> T_world_stored);
+  /// The view from the submaps alone: only after finish_submap() and before the next frame.
+  void rebuild();
+  /// One block of it, stored codes. False if no submap knows any voxel of it.
+  bool read_block(BlockKey key, BlockValues& out) { return read_block(key, 0, submaps_.size(), out); }
+  /// A part of the chain as a map of its own, in the grid of submap `in`.
+  [[nodiscard]] std::unique_ptr<VoxelMap> joined(std::size_t first, std::size_t end, std::size_t in) const;
+
+  /// By how much a frame's pose is to be corrected that was mapped at that time.
+  [[nodiscard]] hal::Pose correction_at(hal::TimeNs stamp_ns) const;
+  [[nodiscard]] std::uint64_t memory_bytes() const;
+
+ private:
+  bool read_block(BlockKey key, std::size_t first, std::size_t end, BlockValues& out);
+  void sample_anew(std::size_t submap);
+  void note(std::uint32_t slot);
+
+  struct Passed {
+    hal::TimeNs stamp_ns;
+    hal::Pose T_world_camera;
+    double way_m;
+    double turn_rad;
+  };
+
+  VoxelMap& view_;
+  ChainOptions options_;
+  std::vector<Submap> submaps_;
+  std::vector<std::unique_ptr<MapSampler>> samplers_;  ///< of each submap, from the view's grid
+  std::vector<std::uint32_t> changed_slots_;
+  std::vector<std::uint8_t> is_noted_;  ///< by slot
+  std::vector<Passed> passed_;          ///< frames since the last submap
+  hal::Pose last_camera_;
+  double way_m_ = 0.0;  ///< since the last anchor
+  double turn_rad_ = 0.0;
+  double way_at_end_m_ = 0.0;  ///< when the last submap was finished
+  double turn_at_end_rad_ = 0.0;
+};
+
+}  // namespace g3d::mapper::submaps

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/submaps/submap_chain.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "mapper/map_hash.hpp"
+#include "mapper/mapper.hpp"
+#include "tests/support/test_frames.hpp"
+#include "tests/support/workload.hpp"
+
+using namespace g3d;
+using namespace g3d::mapper;
+using namespace g3d::mapper::submaps;
+
+namespace {
+
+MapperConfig config_with_room() {
+  MapperConfig config;
+  config.capacity = {1U << 15, 1U << 14, 1U << 15};
+  return config;
+}
+
+/// A drive whose frames go into `mapper`, a submap finished whenever the chain says so and at the end.
+template <typename AfterSubmap>
+void drive(Mapper& mapper, SubmapChain& chain, const test::Workload& work, AfterSubmap&& after_submap) {
+  for (std::size_t i = 0; i < work.frames.size(); ++i) {
+    const auto& [frame, pose] = work.frames[i];
+    mapper.integrate(frame, pose);
+    const bool due = chain.add_frame(frame.stamp_ns, pose, mapper.changed_slots());
+    if (due || i + 1 == work.frames.size()) {
+      REQUIRE(chain.finish_submap());
+      after_submap();
+    }
+  }
+}
+
+std::string hash_of(SubmapChain& chain, const VoxelMap& like) {
+  VoxelMap map(like.grid(), like.capacity());
+  BlockValues values;
+  for (const BlockKey key : like.sorted_keys()) {
+    if (chain.read_block(key, values)) REQUIRE(map.write_block(key, values));
+  }
+  return map_hash(map);
+}
+
+}  // namespace
+
+TEST_CASE("as long as no pose is corrected the chain is the view, to the bit", "[slow]") {
+  const test::Workload work = test::simulated_drive("furnished_room", 40, 10.0, 0.0, 160);
+  Mapper mapper(config_with_room(), work.camera);
+  SubmapChain chain(mapper.map(), {.most_way_m = 0.8});
+  mapper.free_footprint(work.frames.front().T_world_camera.translation_m, 0.2, 0.3);
+  drive(mapper, chain, work, [&] { REQUIRE(hash_of(chain, mapper.map()) == map_hash(mapper.map())); });
+  REQUIRE(chain.submaps().size() >= 4);
+  const std::string before = map_hash(mapper.map());
+  chain.rebuild();
+  CHECK(map_hash(mapper.map()) == before);
+  // What is seen again and stays as it is takes no room in a later submap.
+  CHECK(chain.submaps().back().voxels->counts().known() < chain.submaps().front().voxels->counts().known());
+  double way_m = 0.0;
+  for (const Submap& submap : chain.submaps()) {
+    CHECK(submap.first_ns <= submap.last_ns);
+    way_m += submap.way_m;
+  }
+  CHECK(way_m > 1.0);
+  CHECK(chain.memory_bytes() > 0);
+  CHECK_FALSE(chain.finish_submap());
+}
+
+TEST_CASE("a submap that is moved takes its voxels with it, and the newest that knows a voxel says what it is") {
+  VoxelMap view(Grid{0.05F}, {256, 256, 256});
+  SubmapChain chain(view);
+  const VoxelIndex wall{32768 + 8, 32768, 32768};
+  const auto write = [&](const VoxelIndex& v, Rgbo code) {
+    BlockValues values;
+    view.read_stored_block(block_of(v), values);
+    values[encode(v) & kPlaceMask] = code;
+    REQUIRE(view.write_block(block_of(v), values));
+    return view.find(block_of(v));
+  };
+  const std::uint32_t first_slot = write(wall, 32);
+  chain.add_frame(1, {}, std::array{first_slot});
+  REQUIRE(chain.finish_submap());
+  // Seen again two voxels farther on, and no longer where it was.
+  const std::array slots{write(wall, 4), write({wall.x + 2, wall.y, wall.z}, 30)};
+  chain.add_frame(2, hal::from_xyz_rpy(1, 0, 0, 0, 0, 0), slots);
+  REQUIRE(chain.finish_submap());
+  REQUIRE(chain.submaps().size() == 2);
+  CHECK(chain.submaps()[1].way_m == Approx(1.0));
+
+  const hal::Pose back = hal::from_xyz_rpy(-0.1, 0.0, 0.0, 0.0, 0.0, 0.0);
+  chain.place(std::array{hal::Pose{}, back});
+  chain.rebuild();
+  CHECK(level_of(view.at(wall)) == 30);
+  CHECK(level_of(view.at({wall.x - 2, wall.y, wall.z})) == 4);
+  CHECK(view.at({wall.x + 2, wall.y, wall.z}) == kUnknownRgbo);
+  CHECK(chain.correction_at(1).translation_m[0] == 0.0);
+  CHECK(chain.correction_at(2).translation_m[0] == -0.1);
+  CHECK(chain.correction_at(3).translation_m[0] == 0.0);  // of no submap yet
+
+  // A third one begins in the corrected view, and holds what it changes there.
+  chain.add_frame(4, {}, std::array{write(wall, 2)});
+  REQUIRE(chain.finish_submap());
+  CHECK(chain.submaps()[2].voxels->counts().known() == 1);
+  const std::string hash = map_hash(view);
+  chain.rebuild();
+  CHECK(map_hash(view) == hash);
+
+  // Parts of the chain, in the grid of one of them.
+  const auto old = chain.joined(0, 1, 0);
+  CHECK(level_of(old->at(wall)) == 32);
+  CHECK(old->counts().known() == 1);
+  const auto both = chain.joined(0, 2, 1);
+  CHECK(level_of(both->at({wall.x + 2, wall.y, wall.z})) == 30);  // as the second one has it
+  CHECK(level_of(both->at(wall)) == 4);
+}
+
+TEST_CASE("blocks that no submap reaches any more leave the view") {
+  VoxelMap view(Grid{0.05F}, {64, 64, 64});
+  SubmapChain chain(view);
+  BlockValues values;
+  values.fill(3);
+  const BlockKey key = block_of({32768, 32768, 32768});
+  REQUIRE(view.write_block(key, values));
+  chain.add_frame(1, {}, {});  // what is there before the first frame belongs to the first submap
+  REQUIRE(chain.finish_submap());
+  chain.place(std::array{hal::from_xyz_rpy(4.0, 0.0, 0.0, 0.0, 0.0, 0.0)});
+  chain.rebuild();
+  CHECK_FALSE(view.read_block(key, values));
+  CHECK(level_of(view.at({32768 + 80, 32768, 32768})) == 3);
+  CHECK(view.block_count() == 1);
+}
+
+TEST_CASE("a submap is finished after some way, some turning or some time") {
+  VoxelMap view(Grid{0.05F}, {64, 64, 64});
+  SubmapChain chain(view, {.most_way_m = 2.0, .most_turn_rad = 1.0, .most_s = 5.0});
+  const auto at = [](double x_m, double yaw_rad) { return hal::from_xyz_rpy(x_m, 0, 0, 0, 0, yaw_rad); };
+  CHECK_FALSE(chain.add_frame(0, at(0, 0), {}));
+  CHECK_FALSE(chain.add_frame(1, at(1.9, 0), {}));
+  CHECK(chain.add_frame(2, at(2.1, 0), {}));
+  REQUIRE(chain.finish_submap());
+  CHECK(chain.submaps()[0].T_stored_anchor.translation_m[0] == 1.9);
+  CHECK_FALSE(chain.add_frame(3, at(3.0, 0), {}));  // counted from the end, not from the anchor
+  CHECK_FALSE(chain.add_frame(4, at(3.0, 0.6), {}));
+  CHECK(chain.add_frame(5, at(3.0, 0.0), {}));  // there and back is turning, too
+  REQUIRE(chain.finish_submap());
+  CHECK(chain.submaps()[1].way_m == Approx(1.1));
+  CHECK_FALSE(chain.add_frame(6, at(3.0, 0.0), {}));
+  CHECK(chain.add_frame(6 + 5'000'000'000, at(3.0, 0.0), {}));
+}
