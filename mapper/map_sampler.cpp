@@ -56,18 +56,27 @@ void MapSampler::add_target_keys(std::vector<BlockKey>& keys) const {
   }
 }
 
-void MapSampler::sample(BlockKey target_key, BlockValues& out) {
+bool MapSampler::sample_unknown(BlockKey target_key, BlockValues& values) {
   const VoxelIndex origin = block_origin(target_key);
+  bool complete = true;
   const bool whole_blocks = is_aligned_ && shift_.x % 8 == 0 && shift_.y % 8 == 0 && shift_.z % 8 == 0;
   if (whole_blocks) {
     const VoxelIndex v{origin.x + shift_.x, origin.y + shift_.y, origin.z + shift_.z};
-    if (!is_inside_grid(v) || !source_.read_stored_block(block_of(v), out)) out.fill(kUnknownRgbo);
-    return;
+    BlockValues own;
+    if (!is_inside_grid(v) || !source_.read_stored_block(block_of(v), own)) own.fill(kUnknownRgbo);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (state_of(values[i]) == State::unknown) values[i] = own[i];
+      complete &= state_of(values[i]) != State::unknown;
+    }
+    return complete;
   }
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (state_of(values[i]) != State::unknown) continue;
     const VoxelIndex place = decode(i);
-    out[i] = look_up(source_voxel({origin.x + place.x, origin.y + place.y, origin.z + place.z}));
+    values[i] = look_up(source_voxel({origin.x + place.x, origin.y + place.y, origin.z + place.z}));
+    complete &= state_of(values[i]) != State::unknown;
   }
+  return complete;
 }
 
 bool MapSampler::find_shift() {
@@ -125,9 +134,10 @@ Rgbo MapSampler::look_up(const VoxelIndex& v) {
   const MCode code = encode(v);
   if (code >> kBlockShift != cached_key_) {
     cached_key_ = code >> kBlockShift;
-    source_.read_stored_block(cached_key_, cached_);
+    cached_slot_ = source_.find(cached_key_);
   }
-  return cached_[code & kPlaceMask];
+  if (cached_slot_ == kNoSlot) return kUnknownRgbo;
+  return stored_value(source_, source_.header(cached_slot_), static_cast<int>(code & kPlaceMask));
 }
 
 }  // namespace g3d::mapper

@@ -21,7 +21,12 @@ class MapSampler {
   /// Appends every target block that a block of the map may touch; some of them twice.
   void add_target_keys(std::vector<BlockKey>& keys) const;
   /// The map's codes (stored form) at the 512 voxels of a target block.
-  void sample(BlockKey target_key, BlockValues& out);
+  void sample(BlockKey target_key, BlockValues& out) {
+    out.fill(kUnknownRgbo);
+    sample_unknown(target_key, out);
+  }
+  /// The same for those that are unknown in `values`. True if none is left.
+  bool sample_unknown(BlockKey target_key, BlockValues& values);
 
  private:
   /// A pose as matrix in double precision: at 1 km a float's last bit is a tenth of a millimetre already.
@@ -49,7 +54,7 @@ class MapSampler {
   bool is_aligned_ = false;
   VoxelIndex shift_;
   BlockKey cached_key_ = VoxelMap::kNoKey;
-  BlockValues cached_{};
+  std::uint32_t cached_slot_ = kNoSlot;
 };
 
 }  // namespace g3d::mapper

@@ -20,7 +20,7 @@ namespace g3d::nav {
 struct PassersConfig {
   double body_radius_m = 0.18;
   double hold_s = 5.0;   ///< somebody out of sight is taken to stand where he was last seen for so long
-  double fresh_s = 2.5;  ///< while people are about, a look through a cell is worth so much
+  double fresh_s = 1.2;  ///< while people are about, a look through a cell is worth so much
   PasserTracksConfig tracks;
 };
 

@@ -177,4 +177,9 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
   return result;
 }
 
+void Aligner::correct(const hal::Pose& T_newest, const std::function<hal::Pose(hal::TimeNs)>& correction_at) {
+  last_pose_ = hal::compose(T_newest, last_pose_);
+  surfaces_.move(correction_at);
+}
+
 }  // namespace g3d::mapper::align

@@ -10,7 +10,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 
 #include "hal/messages.hpp"
 #include "mapper/align/align_report.hpp"
@@ -57,8 +59,14 @@ class Aligner {
   /// frames before this one, if the caller may look at it; then nothing that moves is aligned to.
   AlignResult align(const hal::Frame& frame, const hal::Pose& T_odometry_camera, const SeenSpace* space = nullptr);
 
+  /// The map was corrected after the last frame: by `T_newest` where the camera is now, by `correction_at(time)` where
+  /// something was first seen at that time. Allocates.
+  void correct(const hal::Pose& T_newest, const std::function<hal::Pose(hal::TimeNs)>& correction_at);
+
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
+  /// Of the last frame, camera frame.
+  [[nodiscard]] std::span<const DepthSample> samples() const { return samples_.all(); }
   /// After the last frame, or from the thread that aligns.
   [[nodiscard]] const AlignReport& report() const { return report_; }
 

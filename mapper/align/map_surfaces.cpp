@@ -15,6 +15,7 @@ constexpr float kCellVoxels = 3.0F;
 constexpr float kCoarseCell_m = 0.25F;
 constexpr float kCoarseVoxels = 5.0F;
 constexpr std::size_t kBatch = 4096;
+constexpr float kKnownBetter_m = 0.06F;
 // Of the 26 neighbours at least so many more are free on one side than on the other; less is a speckle or a rod.
 constexpr float kLeastLean = 2.0F;
 
@@ -57,6 +58,7 @@ bool facing(const VoxelMap& map, const VoxelIndex& v, Vector3f& normal) {
 
 MapSurfaces::MapSurfaces(const VoxelMap& map)
     : map_(map),
+      tolerance_m_(std::max(0.03F, 1.5F * map.grid().resolution_m)),
       fine_(options_for(map, kLeastCell_m, kCellVoxels, 0.8F)),
       coarse_(options_for(map, kCoarseCell_m, kCoarseVoxels, 0.7F)) {
   std::vector<DepthSample> batch;
@@ -84,6 +86,20 @@ MapSurfaces::MapSurfaces(const VoxelMap& map)
     }
   }
   flush();
+  conclude();
+}
+
+MapSurfaces::MapSurfaces(const VoxelMap& map, std::span<const DepthSample> surfaces)
+    : map_(map),
+      tolerance_m_(kKnownBetter_m),
+      fine_({.cell_m = kLeastCell_m, .slots = slots_for(surfaces.size(), 1.0F), .least_coherence = 0.8F}),
+      coarse_({.cell_m = kCoarseCell_m, .slots = slots_for(surfaces.size(), 1.0F), .least_coherence = 0.7F}) {
+  fine_.add(surfaces, {});
+  coarse_.add(surfaces, {});
+  conclude();
+}
+
+void MapSurfaces::conclude() {
   fine_.for_each([&](const SurfacePiece& piece, float /*weight*/) {
     samples_.push_back({piece.point_m, piece.normal, 1.0F});
   });

@@ -4,6 +4,7 @@
 // a fraction of a voxel. Thread: while nobody writes the map.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "mapper/align/surface_map.hpp"
@@ -14,8 +15,12 @@ namespace g3d::mapper::align {
 class MapSurfaces {
  public:
   explicit MapSurfaces(const VoxelMap& map);
+  /// Surfaces that are known better than the voxels say, in the map's frame; the map then says what is free.
+  MapSurfaces(const VoxelMap& map, std::span<const DepthSample> surfaces);
 
   [[nodiscard]] const VoxelMap& map() const { return map_; }
+  /// How far from a surface what lies on it may be.
+  [[nodiscard]] float tolerance_m() const { return tolerance_m_; }
   /// Cells of a few voxels: where surfaces are.
   [[nodiscard]] const SurfaceMap& fine() const { return fine_; }
   /// Cells of a quarter of a metre and more: what a rough guess finds its way by.
@@ -28,7 +33,10 @@ class MapSurfaces {
   [[nodiscard]] const Vector3f& high_m() const { return high_m_; }
 
  private:
+  void conclude();
+
   const VoxelMap& map_;
+  float tolerance_m_;
   SurfaceMap fine_;
   SurfaceMap coarse_;
   std::vector<DepthSample> samples_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/align/surface_map.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <vector>
 
 namespace g3d::mapper::align {
 namespace {
@@ -116,6 +118,81 @@ void SurfaceMap::forget_gone(const SeenSpace& space) {
     ++unsteady_;
   }
   if (next_swept_ == table_.size()) next_swept_ = 0;
+}
+
+void SurfaceMap::clear() {
+  for (std::size_t i = 0; i < table_.size(); ++i) table_[i] = {};
+  count_ = 0;
+  frame_ = 0;
+  unsteady_ = 0;
+  next_swept_ = 0;
+}
+
+void SurfaceMap::move(const std::function<hal::Pose(hal::TimeNs)>& correction_at) {
+  struct Piece {
+    Vector3f point_m;
+    Vector3f normal;  // mean: shorter than one where the cell holds a corner
+    std::int32_t weight;
+    hal::TimeNs born_ns;
+  };
+  std::vector<Piece> pieces;
+  pieces.reserve(count_);
+  // Most of them were born within a few submaps.
+  hal::TimeNs last_born_ns = -1;
+  hal::RigidTransform T;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    Cell& cell = table_[i];
+    if (cell.key != 0 && cell.born_ns != kUnsteady) {
+      if (cell.born_ns != last_born_ns) T = hal::to_transform(correction_at(cell.born_ns));
+      last_born_ns = cell.born_ns;
+      const CellIndex index = index_of(cell.key);
+      const float low[3] = {static_cast<float>(index.x), static_cast<float>(index.y), static_cast<float>(index.z)};
+      const auto w = static_cast<float>(cell.weight);
+      Piece piece{{}, {}, cell.weight, cell.born_ns};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float offset = (static_cast<float>(cell.place[k]) / w + 0.5F) / static_cast<float>(kPlaceParts);
+        piece.point_m[k] = (low[k] + offset) * options_.cell_m;
+        piece.normal[k] = static_cast<float>(cell.normal[k]) / (w * kNormalParts);
+      }
+      const Vector3f turned = rotated(T, piece.point_m);
+      for (std::size_t k = 0; k < 3; ++k) piece.point_m[k] = turned[k] + T.translation_m[k];
+      piece.normal = rotated(T, piece.normal);
+      pieces.push_back(piece);
+    }
+    cell = {};
+  }
+  // The older of two that meet gives the time of birth, and the order within the table does not matter.
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return a.born_ns != b.born_ns ? a.born_ns < b.born_ns : a.point_m < b.point_m;
+  });
+  count_ = 0;
+  unsteady_ = 0;
+  next_swept_ = 0;
+  const float per_cell = 1.0F / options_.cell_m;
+  for (const Piece& piece : pieces) {
+    const float q[3] = {piece.point_m[0] * per_cell, piece.point_m[1] * per_cell, piece.point_m[2] * per_cell};
+    if (!is_inside(q)) continue;
+    const float low[3] = {std::floor(q[0]), std::floor(q[1]), std::floor(q[2])};
+    const std::uint64_t key = key_of(
+        {static_cast<std::int32_t>(low[0]), static_cast<std::int32_t>(low[1]), static_cast<std::int32_t>(low[2])},
+        facing_of(piece.normal));
+    std::size_t at = spread(key) & mask_;
+    while (table_[at].key != 0 && table_[at].key != key) at = (at + 1) & mask_;
+    Cell& cell = table_[at];
+    if (cell.key == 0) {
+      cell.key = key;
+      cell.born_ns = piece.born_ns;
+      ++count_;
+    }
+    if (cell.weight > kMostWeight) halve(cell);
+    cell.weight += piece.weight;
+    for (int i = 0; i < 3; ++i) {
+      cell.place[i] += static_cast<std::int32_t>(static_cast<float>(piece.weight) *
+                                                 ((q[i] - low[i]) * static_cast<float>(kPlaceParts)));
+      cell.normal[i] += static_cast<std::int32_t>(static_cast<float>(piece.weight) *
+                                                  (piece.normal[static_cast<std::size_t>(i)] * kNormalParts));
+    }
+  }
 }
 
 void SurfaceMap::halve(Cell& cell) {

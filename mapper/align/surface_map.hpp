@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -45,6 +46,10 @@ class SurfaceMap {
   /// left, and are not found again.
   void forget_gone(const SeenSpace& space);
   static constexpr std::size_t kSweeps = 32;
+  void clear();
+  /// Every piece goes where the correction of the time of its birth takes it. Those that came into free space or have
+  /// left are forgotten: they would be found out again. Allocates.
+  void move(const std::function<hal::Pose(hal::TimeNs)>& correction_at);
   /// The piece nearest to a point in the cell of the point and in those before and behind it, facing like `normal`, and
   /// first seen at `born_by_ns` at the latest: what moves is nowhere for long.
   [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal,

@@ -6,19 +6,12 @@
 #include <cmath>
 
 #include "mapper/align/pose_step.hpp"
+#include "mapper/merge.hpp"
 
 namespace g3d::mapper::submaps {
 namespace {
 
-/// Of `older`, what `newest` does not know. True if nothing is left to ask for.
-bool fill_unknown(BlockValues& newest, const BlockValues& older) {
-  bool complete = true;
-  for (std::size_t i = 0; i < newest.size(); ++i) {
-    if (state_of(newest[i]) == State::unknown) newest[i] = older[i];
-    complete &= state_of(newest[i]) != State::unknown;
-  }
-  return complete;
-}
+constexpr std::size_t kSurfaceSlots = std::size_t{1} << 17;  // 8 m^2 of surface are 1250 pieces of 8 cm
 
 bool knows_any(const BlockValues& values) {
   return std::any_of(values.begin(), values.end(), [](Rgbo v) { return state_of(v) != State::unknown; });
@@ -37,7 +30,7 @@ std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
 }  // namespace
 
 SubmapChain::SubmapChain(VoxelMap& view, const ChainOptions& options)
-    : view_(view), options_(options), is_noted_(view.capacity().blocks, 0) {
+    : view_(view), options_(options), is_noted_(view.capacity().blocks, 0), surfaces_({.slots = kSurfaceSlots}) {
   changed_slots_.reserve(is_noted_.size());
 }
 
@@ -48,26 +41,31 @@ void SubmapChain::note(std::uint32_t slot) {
 }
 
 bool SubmapChain::add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera,
-                            std::span<const std::uint32_t> changed_slots) {
+                            std::span<const std::uint32_t> changed_slots, std::span<const align::DepthSample> samples,
+                            bool is_held) {
   if (passed_.empty() && submaps_.empty()) {
     // What was known before the first frame: the place where the robot stands.
     for (std::uint32_t slot = 0; slot < view_.slot_end(); ++slot) {
       if (view_.header(slot).key != VoxelMap::kNoKey) note(slot);
     }
     last_camera_ = T_world_camera;
+    last_ns_ = stamp_ns;
   }
   for (const std::uint32_t slot : changed_slots) note(slot);
+  surfaces_.add(samples, hal::to_transform(T_world_camera), stamp_ns);
   const align::Vector6 step = align::difference(last_camera_, T_world_camera);
   way_m_ += align::shift_of(step);
   turn_rad_ += align::turn_of(step);
+  if (is_held) held_s_ += static_cast<double>(stamp_ns - last_ns_) / 1e9;
   last_camera_ = T_world_camera;
-  passed_.push_back({stamp_ns, T_world_camera, way_m_, turn_rad_});
+  last_ns_ = stamp_ns;
+  passed_.push_back({stamp_ns, T_world_camera, way_m_, turn_rad_, held_s_});
   const double since_s = static_cast<double>(stamp_ns - passed_.front().stamp_ns) / 1e9;
   return way_m_ - way_at_end_m_ >= options_.most_way_m || turn_rad_ - turn_at_end_rad_ >= options_.most_turn_rad ||
          since_s >= options_.most_s;
 }
 
-bool SubmapChain::finish_submap() {
+bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
   if (passed_.empty()) return false;
   Submap submap;
   submap.first_ns = passed_.front().stamp_ns;
@@ -75,9 +73,12 @@ bool SubmapChain::finish_submap() {
   const double middle_m = 0.5 * (way_at_end_m_ + way_m_);
   const auto anchor =
       std::find_if(passed_.begin(), passed_.end() - 1, [&](const Passed& p) { return p.way_m >= middle_m; });
+  submap.anchor_ns = anchor->stamp_ns;
   submap.T_stored_anchor = anchor->T_world_camera;
   submap.way_m = anchor->way_m;
   submap.turn_rad = anchor->turn_rad;
+  submap.held_s = anchor->held_s;
+  held_s_ -= anchor->held_s;
   way_m_ -= anchor->way_m;
   turn_rad_ -= anchor->turn_rad;
   way_at_end_m_ = way_m_;
@@ -101,6 +102,13 @@ bool SubmapChain::finish_submap() {
     assert(fits);
   }
   changed_slots_.clear();
+  surfaces_.for_each([&](const align::SurfacePiece& piece, float /*weight*/) {
+    submap.surfaces.push_back({piece.point_m, piece.normal, 1.0F});
+  });
+  std::sort(submap.surfaces.begin(), submap.surfaces.end(),
+            [](const align::DepthSample& a, const align::DepthSample& b) { return a.point_m < b.point_m; });
+  surfaces_.clear();
+  submap.space = std::move(space);
   submaps_.push_back(std::move(submap));
   samplers_.emplace_back();
   sample_anew(submaps_.size() - 1);
@@ -125,14 +133,12 @@ void SubmapChain::place(std::span<const hal::Pose> T_world_stored) {
 
 bool SubmapChain::read_block(BlockKey key, std::size_t first, std::size_t end, BlockValues& out) {
   out.fill(kUnknownRgbo);
-  BlockValues older;
   bool any = false;
   for (std::size_t i = end; i-- > first;) {
     const auto& keys = submaps_[i].view_keys;
     if (!std::binary_search(keys.begin(), keys.end(), key)) continue;
-    samplers_[i]->sample(key, older);
     any = true;
-    if (fill_unknown(out, older)) break;
+    if (samplers_[i]->sample_unknown(key, out)) break;
   }
   return any && knows_any(out);
 }
@@ -155,26 +161,26 @@ void SubmapChain::rebuild() {
   }
 }
 
-std::unique_ptr<VoxelMap> SubmapChain::joined(std::size_t first, std::size_t end, std::size_t in) const {
-  std::vector<MapSampler> samplers;
-  std::vector<BlockKey> keys;
-  for (std::size_t i = end; i-- > first;) {
-    samplers.emplace_back(*submaps_[i].voxels, submaps_[i].T_world_stored, view_.grid(), submaps_[in].T_world_stored);
-    samplers.back().add_target_keys(keys);
-  }
-  sort_and_drop_repeats(keys);
-  auto map = room_for(view_.grid(), keys.size());
-  BlockValues values;
-  BlockValues older;
-  for (const BlockKey key : keys) {
-    values.fill(kUnknownRgbo);
-    for (MapSampler& sampler : samplers) {
-      sampler.sample(key, older);
-      if (fill_unknown(values, older)) break;
+Surroundings SubmapChain::surroundings(std::size_t first, std::size_t end, std::size_t at) const {
+  Surroundings result;
+  std::vector<MergeSource> sources;
+  const hal::Pose T_anchor_world = hal::inverse(submaps_[at].T_world_anchor());
+  for (std::size_t i = first; i < end; ++i) {
+    if (submaps_[i].space != nullptr) sources.push_back({submaps_[i].space.get(), submaps_[i].T_world_stored, i});
+    const hal::RigidTransform T = hal::to_transform(hal::compose(T_anchor_world, submaps_[i].T_world_stored));
+    for (align::DepthSample sample : submaps_[i].surfaces) {
+      const align::Vector3f turned = align::rotated(T, sample.point_m);
+      for (std::size_t k = 0; k < 3; ++k) sample.point_m[k] = turned[k] + T.translation_m[k];
+      sample.normal = align::rotated(T, sample.normal);
+      result.surfaces.push_back(sample);
     }
-    if (knows_any(values)) (void)map->write_block(key, values);
   }
-  return map;
+  MergeOptions options;
+  options.T_world_target = submaps_[at].T_world_anchor();
+  if (auto merged = merge_maps(sources, options); merged.ok()) {
+    result.space = std::move(merged).value();
+  }
+  return result;
 }
 
 hal::Pose SubmapChain::correction_at(hal::TimeNs stamp_ns) const {
@@ -187,7 +193,9 @@ hal::Pose SubmapChain::correction_at(hal::TimeNs stamp_ns) const {
 std::uint64_t SubmapChain::memory_bytes() const {
   std::uint64_t bytes = 0;
   for (const Submap& submap : submaps_) {
-    bytes += submap.voxels->memory().used_bytes + submap.view_keys.size() * sizeof(BlockKey);
+    bytes += submap.voxels->memory().used_bytes + submap.view_keys.size() * sizeof(BlockKey) +
+             submap.surfaces.size() * sizeof(align::DepthSample) +
+             (submap.space != nullptr ? submap.space->memory().used_bytes : 0);
   }
   return bytes;
 }

@@ -15,6 +15,7 @@
 
 #include "hal/geometry.hpp"
 #include "hal/messages.hpp"
+#include "mapper/align/surface_map.hpp"
 #include "mapper/map_sampler.hpp"
 #include "mapper/voxel_map.hpp"
 
@@ -29,14 +30,23 @@ struct ChainOptions {
 struct Submap {
   hal::TimeNs first_ns = 0;
   hal::TimeNs last_ns = 0;
+  hal::TimeNs anchor_ns = 0;
   hal::Pose T_world_stored;          ///< where the grid of its voxels stands; nowhere else until it is corrected
   hal::Pose T_stored_anchor;         ///< the camera half-way: what its pose is about
   double way_m = 0.0;                ///< from the anchor before to this one
   double turn_rad = 0.0;             ///< the same, all turns added up
+  double held_s = 0.0;               ///< the same, time in which odometry alone knew the way
   std::unique_ptr<VoxelMap> voxels;  ///< stored codes
-  std::vector<BlockKey> view_keys;   ///< blocks of the view that it may touch, ascending
+  std::vector<align::DepthSample> surfaces;  ///< all that its frames have shown, in the frame of its voxels
+  std::unique_ptr<VoxelMap> space;           ///< the same, coarse, may be nullptr
+  std::vector<BlockKey> view_keys;           ///< blocks of the view that it may touch, ascending
 
   [[nodiscard]] hal::Pose T_world_anchor() const { return hal::compose(T_world_stored, T_stored_anchor); }
+};
+
+struct Surroundings {
+  std::unique_ptr<VoxelMap> space;           ///< coarse: see SpaceSketch
+  std::vector<align::DepthSample> surfaces;  ///< fine
 };
 
 class SubmapChain {
@@ -45,9 +55,12 @@ class SubmapChain {
   SubmapChain(VoxelMap& view, const ChainOptions& options = {});
 
   /// After every frame, with the slots of the view that it has changed. True: time to finish the submap.
-  bool add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera, std::span<const std::uint32_t> changed_slots);
-  /// Keeps what has changed. False if there was no frame since the last one.
-  bool finish_submap();
+  /// `samples`: the surfaces that it shows, camera frame. `is_held`: its step is odometry's, at least in part.
+  bool add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera, std::span<const std::uint32_t> changed_slots,
+                 std::span<const align::DepthSample> samples = {}, bool is_held = false);
+  /// Keeps what has changed; `space` is what the same frames have said about space, if anybody asks for surroundings.
+  /// False if there was no frame since the last one.
+  bool finish_submap(std::unique_ptr<VoxelMap> space = nullptr);
 
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   /// Where each stands from now on; one pose each. The view is as it was until rebuild().
@@ -56,8 +69,8 @@ class SubmapChain {
   void rebuild();
   /// One block of it, stored codes. False if no submap knows any voxel of it.
   bool read_block(BlockKey key, BlockValues& out) { return read_block(key, 0, submaps_.size(), out); }
-  /// A part of the chain as a map of its own, in the grid of submap `in`.
-  [[nodiscard]] std::unique_ptr<VoxelMap> joined(std::size_t first, std::size_t end, std::size_t in) const;
+  /// What the frames of a part of the chain have shown, in the frame of one anchor.
+  [[nodiscard]] Surroundings surroundings(std::size_t first, std::size_t end, std::size_t at) const;
 
   /// By how much a frame's pose is to be corrected that was mapped at that time.
   [[nodiscard]] hal::Pose correction_at(hal::TimeNs stamp_ns) const;
@@ -73,6 +86,7 @@ class SubmapChain {
     hal::Pose T_world_camera;
     double way_m;
     double turn_rad;
+    double held_s;
   };
 
   VoxelMap& view_;
@@ -81,10 +95,13 @@ class SubmapChain {
   std::vector<std::unique_ptr<MapSampler>> samplers_;  ///< of each submap, from the view's grid
   std::vector<std::uint32_t> changed_slots_;
   std::vector<std::uint8_t> is_noted_;  ///< by slot
+  align::SurfaceMap surfaces_;          ///< since the last submap
   std::vector<Passed> passed_;          ///< frames since the last submap
   hal::Pose last_camera_;
   double way_m_ = 0.0;  ///< since the last anchor
   double turn_rad_ = 0.0;
+  double held_s_ = 0.0;
+  hal::TimeNs last_ns_ = 0;
   double way_at_end_m_ = 0.0;  ///< when the last submap was finished
   double turn_at_end_rad_ = 0.0;
 };

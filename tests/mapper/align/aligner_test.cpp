@@ -210,3 +210,22 @@ TEST_CASE("without odometry a hand-held camera is followed by what it sees", "[m
   const Run run = align_all(d, still, options);
   CHECK(test::trajectory_error(d.truth, run.poses).ate_m < 0.05);
 }
+
+TEST_CASE("after a correction frames are aligned to where the surfaces are now", "[mapper][align]") {
+  const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 12);
+  const hal::Pose T_moved = hal::from_xyz_rpy(0.4, -0.3, 0.0, 0.0, 0.0, 0.2);
+  Aligner aligner({}, d.camera);
+  Aligner twin({}, d.camera);  // that nobody corrects
+  for (std::size_t i = 0; i < d.frames.size(); ++i) {
+    const AlignResult result = aligner.align(d.frames[i], d.truth[i].T_world_camera);
+    const AlignResult without = twin.align(d.frames[i], d.truth[i].T_world_camera);
+    CHECK(result.outcome == without.outcome);
+    CHECK(result.matched >= 0.85 * without.matched);
+    const hal::Pose expected = i >= 8 ? hal::compose(T_moved, without.T_world_camera) : without.T_world_camera;
+    const Vector6 off = difference(expected, result.T_world_camera);
+    CHECK(shift_of(off) < 0.005);
+    CHECK(turn_of(off) < 0.003);
+    if (i == 7) aligner.correct(T_moved, [&](hal::TimeNs) { return T_moved; });
+  }
+  CHECK(aligner.report().corrected() >= 6);
+}

@@ -2,6 +2,7 @@
 #include "mapper/align/map_surfaces.hpp"
 
 #include <catch2/catch.hpp>
+#include <vector>
 
 using namespace g3d::mapper;
 using namespace g3d::mapper::align;
@@ -42,6 +43,20 @@ TEST_CASE("a wall's surface is its first layer, facing where it is free", "[mapp
   CHECK(surfaces.high_m()[1] > 1.8F);
   CHECK(surfaces.centre_m()[2] == Approx(1.0F).margin(0.1));
   CHECK(surfaces.coarse().find({0.1F, 1.0F, 1.0F}, {-1, 0, 0}));
+}
+
+TEST_CASE("surfaces that are known better than the voxels say are taken as they are", "[mapper][align]") {
+  VoxelMap map(Grid{0.1F}, {8, 8, 8});
+  std::vector<DepthSample> wall;
+  for (int i = 0; i < 400; ++i) {
+    wall.push_back(
+        {{0.512F, 0.02F * static_cast<float>(i % 20), 0.02F * static_cast<float>(i / 20)}, {-1, 0, 0}, 1.0F});
+  }
+  const MapSurfaces surfaces(map, wall);
+  REQUIRE(surfaces.samples().size() > 10);
+  for (const DepthSample& sample : surfaces.samples()) CHECK(sample.point_m[0] == Approx(0.512F).margin(0.001));
+  CHECK(surfaces.tolerance_m() < MapSurfaces(map).tolerance_m());
+  CHECK(surfaces.low_m()[0] == Approx(0.512F).margin(0.001));
 }
 
 TEST_CASE("a map without free space, or without anything, has no surface", "[mapper][align]") {

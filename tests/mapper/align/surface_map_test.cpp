@@ -124,3 +124,36 @@ TEST_CASE("places beyond any building, and what is no number, are refused", "[ma
   CHECK(map.piece_count() == 0);
   CHECK(map.refused() == 50);
 }
+
+TEST_CASE(
+    "Pieces move with the correction of the time of their birth, and the older of two that meet stays the older") {
+  SurfaceMap map;
+  const auto wall_at = [](float x_m) {
+    std::vector<DepthSample> wall;
+    for (int i = 0; i < 50; ++i) {
+      wall.push_back(
+          {{x_m, 0.02F * static_cast<float>(i % 4), 0.02F * static_cast<float>(i / 4 % 4)}, {-1, 0, 0}, 1.0F});
+    }
+    return wall;
+  };
+  map.add(wall_at(2.03F), {}, 100);
+  map.add(wall_at(3.43F), {}, 200);
+  REQUIRE(map.piece_count() == 2);
+  map.move([](hal::TimeNs born_ns) {
+    return born_ns == 100 ? hal::Pose{} : hal::from_xyz_rpy(-1.4, 0.0, 0.0, 0.0, 0.0, 0.0);
+  });
+  CHECK(map.piece_count() == 1);
+  const auto piece = map.find({2.03F, 0.03F, 0.03F}, {-1, 0, 0}, 150);  // both are one, born at 100
+  REQUIRE(piece);
+  CHECK(piece->point_m[0] == Approx(2.03F).margin(0.002));
+  CHECK_FALSE(map.find({3.43F, 0.03F, 0.03F}, {-1, 0, 0}));
+
+  map.move([](hal::TimeNs) { return hal::from_xyz_rpy(0.0, 0.0, 0.0, 0.0, 0.0, 1.5707963); });
+  const auto turned = map.find({-0.03F, 2.03F, 0.03F}, {0, -1, 0});
+  REQUIRE(turned);
+  CHECK(turned->point_m[1] == Approx(2.03F).margin(0.003));
+  CHECK(turned->normal[1] == Approx(-1.0F).margin(0.01));
+  map.clear();
+  CHECK(map.piece_count() == 0);
+  CHECK_FALSE(map.find({-0.03F, 2.03F, 0.03F}, {0, -1, 0}));
+}

@@ -2,6 +2,7 @@
 #include "mapper/submaps/submap_chain.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "mapper/map_hash.hpp"
@@ -106,14 +107,6 @@ TEST_CASE("a submap that is moved takes its voxels with it, and the newest that 
   const std::string hash = map_hash(view);
   chain.rebuild();
   CHECK(map_hash(view) == hash);
-
-  // Parts of the chain, in the grid of one of them.
-  const auto old = chain.joined(0, 1, 0);
-  CHECK(level_of(old->at(wall)) == 32);
-  CHECK(old->counts().known() == 1);
-  const auto both = chain.joined(0, 2, 1);
-  CHECK(level_of(both->at({wall.x + 2, wall.y, wall.z})) == 30);  // as the second one has it
-  CHECK(level_of(both->at(wall)) == 4);
 }
 
 TEST_CASE("blocks that no submap reaches any more leave the view") {
@@ -148,4 +141,65 @@ TEST_CASE("a submap is finished after some way, some turning or some time") {
   CHECK(chain.submaps()[1].way_m == Approx(1.1));
   CHECK_FALSE(chain.add_frame(6, at(3.0, 0.0), {}));
   CHECK(chain.add_frame(6 + 5'000'000'000, at(3.0, 0.0), {}));
+}
+
+TEST_CASE("the surroundings of an anchor hold what a part of the chain has shown, in its frame") {
+  VoxelMap view(Grid{0.05F}, {64, 64, 64});
+  SubmapChain chain(view);
+  const auto space_with = [](const VoxelIndex& v, Rgbo code) {
+    auto space = std::make_unique<VoxelMap>(Grid{0.1F}, MapCapacity{4, 4, 8});
+    BlockValues values;
+    values.fill(kUnknownRgbo);
+    values[encode(v) & kPlaceMask] = code;
+    REQUIRE(space->write_block(block_of(v), values));
+    return space;
+  };
+  // A wall one metre before the camera, which looks along x: seen twice by a robot that went two metres back.
+  const hal::Pose looks_along_x = hal::look_at({0, 0, 0}, {1, 0, 0});
+  std::vector<align::DepthSample> wall;
+  for (int i = 0; i < 40; ++i) wall.push_back({{0.02F * static_cast<float>(i % 5), 0.01F, 1.0F}, {0, 0, -1}, 1.0F});
+  hal::Pose second = looks_along_x;
+  second.translation_m[0] = -2.0;
+  chain.add_frame(1, looks_along_x, {}, wall);
+  REQUIRE(chain.finish_submap(space_with({32768 + 5, 32768, 32768}, 3)));
+  chain.add_frame(2, second, {}, wall);
+  REQUIRE(chain.finish_submap(space_with({32768 - 15, 32768, 32768}, 30)));
+
+  const Surroundings own = chain.surroundings(0, 1, 0);
+  REQUIRE(own.space != nullptr);
+  REQUIRE(!own.surfaces.empty());
+  for (const align::DepthSample& sample : own.surfaces) {
+    CHECK(sample.point_m[2] == Approx(1.0F).margin(0.002));  // the anchor is the camera
+    CHECK(sample.normal[2] == Approx(-1.0F).margin(0.01));
+  }
+  CHECK(own.space->counts().known() == 1);
+
+  // Corrected by half a metre along x, both in the frame of the first: the second wall is 1.5 m behind the first.
+  chain.place(std::array{hal::Pose{}, hal::from_xyz_rpy(0.5, 0, 0, 0, 0, 0)});
+  const Surroundings both = chain.surroundings(0, 2, 0);
+  float nearest_m = 9.0F;
+  for (const align::DepthSample& sample : both.surfaces) nearest_m = std::min(nearest_m, sample.point_m[2]);
+  CHECK(nearest_m == Approx(-0.5F).margin(0.002));
+  CHECK(both.space->counts().known() >= 2);
+  CHECK(both.space->counts().occupied >= 1);
+
+  chain.add_frame(3, second, {});
+  REQUIRE(chain.finish_submap());  // nobody has sketched its space
+  CHECK(chain.surroundings(2, 3, 2).space == nullptr);
+}
+
+TEST_CASE("time in which odometry alone knew the way is counted from anchor to anchor") {
+  VoxelMap view(Grid{0.05F}, {64, 64, 64});
+  SubmapChain chain(view);
+  constexpr hal::TimeNs kSecond = 1'000'000'000;
+  const auto at = [](double x_m) { return hal::from_xyz_rpy(x_m, 0, 0, 0, 0, 0); };
+  chain.add_frame(0, at(0), {});
+  chain.add_frame(1 * kSecond, at(1), {}, {}, true);
+  chain.add_frame(2 * kSecond, at(2), {}, {}, true);
+  REQUIRE(chain.finish_submap());
+  CHECK(chain.submaps()[0].anchor_ns == 1 * kSecond);
+  CHECK(chain.submaps()[0].held_s == Approx(1.0));
+  chain.add_frame(3 * kSecond, at(3), {});
+  REQUIRE(chain.finish_submap());
+  CHECK(chain.submaps()[1].held_s == Approx(1.0));
 }
