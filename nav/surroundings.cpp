@@ -186,7 +186,6 @@ Extent Surroundings::extent(Cell c) const {
 }
 
 bool Surroundings::is_seen(Cell c) const {
-  if (passers_.may_have_come(c, now_ns_)) return false;
   if (trace_.is_trodden(c)) return true;
   for (const Waypoint& touch : near_touches_) {
     if (distance_m(touch, states().centre_x_m(c), states().centre_y_m(c)) < kCarefulAbout_m) return false;
