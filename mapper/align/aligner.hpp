@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 
 #include "hal/messages.hpp"
 #include "mapper/align/align_report.hpp"
@@ -65,8 +64,6 @@ class Aligner {
 
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
-  /// Of the last frame, camera frame.
-  [[nodiscard]] std::span<const DepthSample> samples() const { return samples_.all(); }
   /// After the last frame, or from the thread that aligns.
   [[nodiscard]] const AlignReport& report() const { return report_; }
 

@@ -58,27 +58,49 @@ SurfaceMap::SurfaceMap(const SurfaceOptions& options)
   table_.touch(table_.size_bytes());
 }
 
+std::optional<SurfaceMap::Place> SurfaceMap::place_of(const Vector3f& point_m) const {
+  const float per_cell = 1.0F / options_.cell_m;
+  Place place{{point_m[0] * per_cell, point_m[1] * per_cell, point_m[2] * per_cell}, {}};
+  if (!is_inside(place.q)) return std::nullopt;
+  for (std::size_t i = 0; i < 3; ++i) place.low[i] = std::floor(place.q[i]);
+  return place;
+}
+
+std::uint64_t SurfaceMap::key_at(const Place& place, const Vector3f& normal) {
+  return key_of({static_cast<std::int32_t>(place.low[0]), static_cast<std::int32_t>(place.low[1]),
+                 static_cast<std::int32_t>(place.low[2])},
+                facing_of(normal));
+}
+
+SurfaceMap::Cell& SurfaceMap::cell_for(std::uint64_t key) {
+  std::size_t at = spread(key) & mask_;
+  while (table_[at].key != 0 && table_[at].key != key) at = (at + 1) & mask_;
+  return table_[at];
+}
+
+void SurfaceMap::add_to(Cell& cell, const Place& place, const Vector3f& normal, std::int32_t weight) {
+  cell.weight += weight;
+  for (std::size_t i = 0; i < 3; ++i) {
+    cell.place[i] += weight * static_cast<std::int32_t>((place.q[i] - place.low[i]) * static_cast<float>(kPlaceParts));
+    cell.normal[i] += weight * static_cast<std::int32_t>(normal[i] * kNormalParts);
+  }
+}
+
 void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTransform& T, hal::TimeNs stamp_ns,
                      const SeenSpace* space) {
-  const float per_cell = 1.0F / options_.cell_m;
   ++frame_;
   for (const DepthSample& sample : samples) {
     if (sample.weight < options_.least_sample_weight) continue;
-    const Vector3f p = rotated(T, sample.point_m);
+    const Vector3f arm = rotated(T, sample.point_m);
+    const Vector3f point_m{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]};
     const Vector3f n = rotated(T, sample.normal);
-    const float q[3] = {(p[0] + T.translation_m[0]) * per_cell, (p[1] + T.translation_m[1]) * per_cell,
-                        (p[2] + T.translation_m[2]) * per_cell};
-    if (!is_inside(q)) {
+    const auto place = place_of(point_m);
+    if (!place) {
       ++refused_;
       continue;
     }
-    const float low[3] = {std::floor(q[0]), std::floor(q[1]), std::floor(q[2])};
-    const CellIndex index{static_cast<std::int32_t>(low[0]), static_cast<std::int32_t>(low[1]),
-                          static_cast<std::int32_t>(low[2])};
-    const std::uint64_t key = key_of(index, facing_of(n));
-    std::size_t at = spread(key) & mask_;
-    while (table_[at].key != 0 && table_[at].key != key) at = (at + 1) & mask_;
-    Cell& cell = table_[at];
+    const std::uint64_t key = key_at(*place, n);
+    Cell& cell = cell_for(key);
     if (cell.key == 0) {
       if (count_ * 4 >= table_.size() * 3) {
         ++refused_;
@@ -87,8 +109,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
       cell.key = key;
       cell.born_ns = stamp_ns;
       ++count_;
-      const Vector3f place{p[0] + T.translation_m[0], p[1] + T.translation_m[1], p[2] + T.translation_m[2]};
-      if (space != nullptr && space->is_free(place)) {
+      if (space != nullptr && space->is_free(point_m)) {
         cell.born_ns = kUnsteady;
         ++unsteady_;
       }
@@ -98,12 +119,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
       if (cell.weight > kMostWeight) halve(cell);
     }
     // 1 mm of sigma weighs 32, 5.6 mm and more weigh 1.
-    const auto w = static_cast<std::int32_t>(sample.weight * static_cast<float>(kMostSampleWeight)) + 1;
-    cell.weight += w;
-    for (int i = 0; i < 3; ++i) {
-      cell.place[i] += w * static_cast<std::int32_t>((q[i] - low[i]) * static_cast<float>(kPlaceParts));
-      cell.normal[i] += w * static_cast<std::int32_t>(n[static_cast<std::size_t>(i)] * kNormalParts);
-    }
+    add_to(cell, *place, n, static_cast<std::int32_t>(sample.weight * static_cast<float>(kMostSampleWeight)) + 1);
   }
 }
 
@@ -137,61 +153,36 @@ void SurfaceMap::move(const std::function<hal::Pose(hal::TimeNs)>& correction_at
   };
   std::vector<Piece> pieces;
   pieces.reserve(count_);
-  // Most of them were born within a few submaps.
-  hal::TimeNs last_born_ns = -1;
-  hal::RigidTransform T;
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    Cell& cell = table_[i];
-    if (cell.key != 0 && cell.born_ns != kUnsteady) {
-      if (cell.born_ns != last_born_ns) T = hal::to_transform(correction_at(cell.born_ns));
-      last_born_ns = cell.born_ns;
-      const CellIndex index = index_of(cell.key);
-      const float low[3] = {static_cast<float>(index.x), static_cast<float>(index.y), static_cast<float>(index.z)};
-      const auto w = static_cast<float>(cell.weight);
-      Piece piece{{}, {}, cell.weight, cell.born_ns};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const float offset = (static_cast<float>(cell.place[k]) / w + 0.5F) / static_cast<float>(kPlaceParts);
-        piece.point_m[k] = (low[k] + offset) * options_.cell_m;
-        piece.normal[k] = static_cast<float>(cell.normal[k]) / (w * kNormalParts);
-      }
-      const Vector3f turned = rotated(T, piece.point_m);
-      for (std::size_t k = 0; k < 3; ++k) piece.point_m[k] = turned[k] + T.translation_m[k];
-      piece.normal = rotated(T, piece.normal);
-      pieces.push_back(piece);
-    }
-    cell = {};
+    const Cell& cell = table_[i];
+    if (cell.key == 0 || cell.born_ns == kUnsteady) continue;
+    const hal::RigidTransform T = hal::to_transform(correction_at(cell.born_ns));
+    const Vector3f arm = rotated(T, mean_point_m(cell));
+    pieces.push_back({{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]},
+                      rotated(T, mean_normal(cell)),
+                      cell.weight,
+                      cell.born_ns});
   }
+  clear();
   // The older of two that meet gives the time of birth, and the order within the table does not matter.
   std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
     return a.born_ns != b.born_ns ? a.born_ns < b.born_ns : a.point_m < b.point_m;
   });
-  count_ = 0;
-  unsteady_ = 0;
-  next_swept_ = 0;
-  const float per_cell = 1.0F / options_.cell_m;
   for (const Piece& piece : pieces) {
-    const float q[3] = {piece.point_m[0] * per_cell, piece.point_m[1] * per_cell, piece.point_m[2] * per_cell};
-    if (!is_inside(q)) continue;
-    const float low[3] = {std::floor(q[0]), std::floor(q[1]), std::floor(q[2])};
-    const std::uint64_t key = key_of(
-        {static_cast<std::int32_t>(low[0]), static_cast<std::int32_t>(low[1]), static_cast<std::int32_t>(low[2])},
-        facing_of(piece.normal));
-    std::size_t at = spread(key) & mask_;
-    while (table_[at].key != 0 && table_[at].key != key) at = (at + 1) & mask_;
-    Cell& cell = table_[at];
+    const auto place = place_of(piece.point_m);
+    if (!place) {
+      ++refused_;
+      continue;
+    }
+    const std::uint64_t key = key_at(*place, piece.normal);
+    Cell& cell = cell_for(key);
     if (cell.key == 0) {
       cell.key = key;
       cell.born_ns = piece.born_ns;
       ++count_;
     }
     if (cell.weight > kMostWeight) halve(cell);
-    cell.weight += piece.weight;
-    for (int i = 0; i < 3; ++i) {
-      cell.place[i] += static_cast<std::int32_t>(static_cast<float>(piece.weight) *
-                                                 ((q[i] - low[i]) * static_cast<float>(kPlaceParts)));
-      cell.normal[i] += static_cast<std::int32_t>(static_cast<float>(piece.weight) *
-                                                  (piece.normal[static_cast<std::size_t>(i)] * kNormalParts));
-    }
+    add_to(cell, *place, piece.normal, piece.weight);
   }
 }
 
@@ -212,25 +203,35 @@ const SurfaceMap::Cell* SurfaceMap::look_up(std::uint64_t key) const {
   return nullptr;
 }
 
-std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
-  if (cell.weight < kLeastWeight) return std::nullopt;
+Vector3f SurfaceMap::mean_normal(const Cell& cell) {
   const float w = static_cast<float>(cell.weight);
-  SurfacePiece piece{};
-  float length = 0.0F;
-  for (std::size_t i = 0; i < 3; ++i) {
-    piece.normal[i] = static_cast<float>(cell.normal[i]) / (w * kNormalParts);
-    length += piece.normal[i] * piece.normal[i];
-  }
-  length = std::sqrt(length);
-  if (length < options_.least_coherence) return std::nullopt;
+  Vector3f mean;
+  for (std::size_t i = 0; i < 3; ++i) mean[i] = static_cast<float>(cell.normal[i]) / (w * kNormalParts);
+  return mean;
+}
+
+Vector3f SurfaceMap::mean_point_m(const Cell& cell) const {
+  const float w = static_cast<float>(cell.weight);
   const CellIndex index = index_of(cell.key);
   const std::int32_t low[3] = {index.x, index.y, index.z};
+  Vector3f mean_m;
   for (std::size_t i = 0; i < 3; ++i) {
-    piece.normal[i] /= length;
     // A sum of offsets that were cut to whole parts is half a part too low.
     const float offset = (static_cast<float>(cell.place[i]) / w + 0.5F) / static_cast<float>(kPlaceParts);
-    piece.point_m[i] = (static_cast<float>(low[i]) + offset) * options_.cell_m;
+    mean_m[i] = (static_cast<float>(low[i]) + offset) * options_.cell_m;
   }
+  return mean_m;
+}
+
+std::optional<SurfacePiece> SurfaceMap::piece_of(const Cell& cell) const {
+  if (cell.weight < kLeastWeight) return std::nullopt;
+  SurfacePiece piece{{}, mean_normal(cell)};
+  float length = 0.0F;
+  for (const float x : piece.normal) length += x * x;
+  length = std::sqrt(length);
+  if (length < options_.least_coherence) return std::nullopt;
+  for (float& x : piece.normal) x /= length;
+  piece.point_m = mean_point_m(cell);
   return piece;
 }
 

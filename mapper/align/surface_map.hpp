@@ -84,6 +84,18 @@ class SurfaceMap {
   };
 
   static void halve(Cell& cell);
+  /// A point in cells, and the low corner of the one it lies in. Nothing beyond the keys' room.
+  struct Place {
+    float q[3];
+    float low[3];
+  };
+  [[nodiscard]] std::optional<Place> place_of(const Vector3f& point_m) const;
+  [[nodiscard]] static std::uint64_t key_at(const Place& place, const Vector3f& normal);
+  /// The cell of a key, or the empty one where it belongs.
+  [[nodiscard]] Cell& cell_for(std::uint64_t key);
+  static void add_to(Cell& cell, const Place& place, const Vector3f& normal, std::int32_t weight);
+  [[nodiscard]] static Vector3f mean_normal(const Cell& cell);
+  [[nodiscard]] Vector3f mean_point_m(const Cell& cell) const;
   [[nodiscard]] const Cell* look_up(std::uint64_t key) const;
   [[nodiscard]] std::optional<SurfacePiece> piece_of(const Cell& cell) const;
 

@@ -52,13 +52,11 @@ class PoseGraph {
   std::uint32_t add_node(const hal::Pose& T_world_node);
   /// Both nodes must be there.
   void add_edge(const GraphEdge& edge);
-  void remove_last_edge() { edges_.pop_back(); }
 
   GraphReport optimise(const GraphOptions& options = {});
 
   [[nodiscard]] std::span<const hal::Pose> nodes() const { return nodes_; }
   [[nodiscard]] std::span<const GraphEdge> edges() const { return edges_; }
-  void set_nodes(std::span<const hal::Pose> nodes) { nodes_.assign(nodes.begin(), nodes.end()); }
   /// How far an edge is from where the nodes stand, in squared standard deviations.
   [[nodiscard]] double square_of(const GraphEdge& edge) const;
   /// How much it counts there: 1, or less for a loop that contradicts the others.

@@ -131,16 +131,14 @@ void SubmapChain::place(std::span<const hal::Pose> T_world_stored) {
   }
 }
 
-bool SubmapChain::read_block(BlockKey key, std::size_t first, std::size_t end, BlockValues& out) {
+bool SubmapChain::read_block(BlockKey key, BlockValues& out) {
   out.fill(kUnknownRgbo);
-  bool any = false;
-  for (std::size_t i = end; i-- > first;) {
+  for (std::size_t i = submaps_.size(); i-- > 0;) {
     const auto& keys = submaps_[i].view_keys;
     if (!std::binary_search(keys.begin(), keys.end(), key)) continue;
-    any = true;
     if (samplers_[i]->sample_unknown(key, out)) break;
   }
-  return any && knows_any(out);
+  return knows_any(out);
 }
 
 void SubmapChain::rebuild() {

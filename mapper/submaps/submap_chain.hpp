@@ -30,7 +30,7 @@ struct ChainOptions {
 struct Submap {
   hal::TimeNs first_ns = 0;
   hal::TimeNs last_ns = 0;
-  hal::TimeNs anchor_ns = 0;
+  hal::TimeNs anchor_ns = 0;         ///< when the camera was there
   hal::Pose T_world_stored;          ///< where the grid of its voxels stands; nowhere else until it is corrected
   hal::Pose T_stored_anchor;         ///< the camera half-way: what its pose is about
   double way_m = 0.0;                ///< from the anchor before to this one
@@ -68,7 +68,7 @@ class SubmapChain {
   /// The view from the submaps alone: only after finish_submap() and before the next frame.
   void rebuild();
   /// One block of it, stored codes. False if no submap knows any voxel of it.
-  bool read_block(BlockKey key, BlockValues& out) { return read_block(key, 0, submaps_.size(), out); }
+  bool read_block(BlockKey key, BlockValues& out);
   /// What the frames of a part of the chain have shown, in the frame of one anchor.
   [[nodiscard]] Surroundings surroundings(std::size_t first, std::size_t end, std::size_t at) const;
 
@@ -77,7 +77,6 @@ class SubmapChain {
   [[nodiscard]] std::uint64_t memory_bytes() const;
 
  private:
-  bool read_block(BlockKey key, std::size_t first, std::size_t end, BlockValues& out);
   void sample_anew(std::size_t submap);
   void note(std::uint32_t slot);
 
