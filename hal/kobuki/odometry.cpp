@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "hal/kobuki/packet_gates.hpp"
 #include "hal/sim/plain_trig.hpp"
@@ -19,6 +20,9 @@ constexpr int kLongestGap_ms = 2'000;
 /// After this long without a tick the base rests, and has stopped swaying; a gyro drifts by less than this much.
 constexpr int kRest_ms = 1'000;
 constexpr int kDrift_cdegps = 100;
+/// A turn has begun before a wheel has ticked: a tick of one wheel is two hundredths of a degree. What the gyro says so
+/// shortly before a tick is no drift.
+constexpr int kBeforeTick_ms = 300;
 /// So much rest, and so many hundredths of a degree in it, are no rounding.
 constexpr int kDriftKnown_ms = 5'000;
 constexpr int kDriftKnown_cdeg = 5;
@@ -83,22 +87,26 @@ std::optional<Odometry::Step> Odometry::step_from_last(const Feedback& feedback)
 }
 
 double Odometry::gyro_drift_cdegps() const {
-  if (drift_ms_ < kDriftKnown_ms || std::abs(drift_cdeg_) < kDriftKnown_cdeg) return 0.0;
-  return 1000.0 * drift_cdeg_ / drift_ms_;
+  if (drift_.ms < kDriftKnown_ms || std::abs(drift_.cdeg) < kDriftKnown_cdeg) return 0.0;
+  return 1000.0 * drift_.cdeg / drift_.ms;
 }
 
 double Odometry::true_turn_cdeg(const Step& step) {
   const bool stands = step.left_ticks == 0 && step.right_ticks == 0;
   at_rest_ms_ = stands ? std::min(at_rest_ms_ + step.elapsed_ms, kRest_ms) : 0;
   const bool may_be_drift = std::abs(step.turn_cdeg) <= 1 + kDrift_cdegps * step.elapsed_ms / 1000;
-  if (at_rest_ms_ < kRest_ms || !may_be_drift) return step.turn_cdeg - gyro_drift_cdegps() * step.elapsed_ms / 1000.0;
-  drift_cdeg_ += step.turn_cdeg;
-  drift_ms_ += step.elapsed_ms;
-  if (drift_ms_ > kDriftMemory_ms) {
-    drift_cdeg_ /= 2;
-    drift_ms_ /= 2;
+  if (at_rest_ms_ >= kRest_ms && may_be_drift) {
+    rest_newest_.add({step.turn_cdeg, step.elapsed_ms});
+    if (rest_newest_.ms < kBeforeTick_ms) return 0.0;
+    drift_.add(rest_before_);
+    if (drift_.ms > kDriftMemory_ms) drift_ = {drift_.cdeg / 2, drift_.ms / 2};
+    rest_before_ = std::exchange(rest_newest_, {});
+    return 0.0;
   }
-  return 0.0;
+  Turned turned{step.turn_cdeg, step.elapsed_ms};
+  turned.add(std::exchange(rest_before_, {}));
+  turned.add(std::exchange(rest_newest_, {}));
+  return turned.cdeg - gyro_drift_cdegps() * turned.ms / 1000.0;
 }
 
 void Odometry::move(const Step& step) {

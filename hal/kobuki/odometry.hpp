@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the base is, from its wheels and its gyro: the way from the encoders, the heading from the gyro (its angle
 // cannot be reset, so the first reading is the offset). While the wheels stand, so does the heading: what the gyro says
-// then is its drift, which is subtracted while they turn.
+// then is its drift, which is subtracted while they turn; but for the last moment before a tick, which is the turn that
+// the tick belongs to.
 #pragma once
 
 #include <optional>
@@ -63,6 +64,14 @@ class Odometry {
     int left_ticks = 0, right_ticks = 0;
     int turn_cdeg = 0;
   };
+  struct Turned {
+    int cdeg = 0;
+    int ms = 0;
+    void add(const Turned& more) {
+      cdeg += more.cdeg;
+      ms += more.ms;
+    }
+  };
   struct Suspicion {
     int silent_ms = 0;  // driven without a tick
     int other_ticks = 0;
@@ -80,7 +89,8 @@ class Odometry {
   std::optional<Feedback> last_;
   TimeNs moved_ns_ = 0;  // when a new stamp came last
   int at_rest_ms_ = 0;
-  int drift_cdeg_ = 0, drift_ms_ = 0;  // what the gyro said at rest, in how long
+  Turned drift_;                      // what the gyro said at rest
+  Turned rest_before_, rest_newest_;  // ... and just now: it may be the beginning of a turn
   int stalled_ms_ = 0;
   bool both_ticked_ = false;
   bool rolled_before_ = false;  // at 0.1 m/s or more, in the step before the wheels stopped

@@ -205,6 +205,26 @@ TEST_CASE("a gyro without drift is not corrected, however often the base sways a
   CHECK(drive.odometry.T_world_base().heading_rad == Approx(0.0).margin(1e-12));
 }
 
+TEST_CASE("turns that begin before the first tick are no drift, and are not lost") {
+  Drive drive;
+  int turned_cdeg = 0;
+  for (int stop = 0; stop < 20; ++stop) {
+    for (int i = 0; i < 150; ++i) {
+      // Always the same way: a robot that goes round a building.
+      const int turn_cdeg = i == 130 ? 1 : i == 149 ? 2 : 0;
+      turned_cdeg += turn_cdeg;
+      drive.last.gyro_angle_cdeg = static_cast<std::int16_t>(drive.last.gyro_angle_cdeg + turn_cdeg);
+      drive.step(0, 0);
+    }
+    drive.step(0, 1);
+    turned_cdeg += 2;  // the tick itself
+    for (int i = 0; i < 50; ++i) drive.step(50, 50);
+  }
+  CHECK(drive.odometry.gyro_drift_cdegps() == 0.0);
+  const double left_out_cdeg = turned_cdeg - drive.odometry.T_world_base().heading_rad * 18'000.0 / kPi;
+  CHECK(std::abs(left_out_cdeg) < 0.01 * turned_cdeg);
+}
+
 TEST_CASE("a driven wheel that never ticks while the base goes on is dead") {
   for (const bool left_is_dead : {false, true}) {
     Drive drive;
