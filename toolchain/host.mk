@@ -9,7 +9,7 @@ ifeq ($(ARCH),x86_64)
 KERNEL_VARIANTS := baseline avx2 avx512
 KERNEL_PICK := mapper/cpu/pick/amd64.cpp
 KERNEL_FLAGS_baseline := -DG3D_VECTOR_BYTES=16
-AVX2 := -mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mf16c
+AVX2 := -mavx2 -mbmi -mbmi2 -mpopcnt -mf16c
 KERNEL_FLAGS_avx2 := $(AVX2) -DG3D_VECTOR_BYTES=32
 KERNEL_FLAGS_avx512 := $(AVX2) -DG3D_VECTOR_BYTES=64 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mprefer-vector-width=512
 else

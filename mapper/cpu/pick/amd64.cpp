@@ -18,7 +18,8 @@ const Kernels& table();
 
 namespace {
 
-// lzcnt and f16c came with AVX2 in every processor; clang 14 cannot ask for them by name.
+// f16c came with AVX2 in every processor; clang 14 cannot ask for it by name. lzcnt did too, but some virtual machines
+// hide it: nothing is compiled for it.
 bool has_avx2() {
   return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
          __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("popcnt") != 0;
