@@ -50,9 +50,17 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
         extent = floor->extent(c);
         if (extent == Extent::nothing) continue;
       }
-      if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) continue;
-      NearCell cell{ground.centre_x_m(c) - T_world_base.x_m, ground.centre_y_m(c) - T_world_base.y_m, 0.0,
-                    state == CellState::occupied, extent == Extent::square};
+      bool is_unwatched = false;
+      if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) {
+        is_unwatched = floor != nullptr && floor->is_unwatched(c);
+        if (!is_unwatched) continue;
+      }
+      NearCell cell{ground.centre_x_m(c) - T_world_base.x_m,
+                    ground.centre_y_m(c) - T_world_base.y_m,
+                    0.0,
+                    state == CellState::occupied,
+                    extent == Extent::square,
+                    is_unwatched};
       cell.start_m = distance_m(cell, 0.0, 0.0);
       if (cell.start_m > radius_m || cells_.size() == cells_.capacity()) continue;
       if (cell.occupied) clearance_here_m_ = std::min(clearance_here_m_, cell.start_m - body_radius_m_);
@@ -64,7 +72,7 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
 ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) const {
   const double direction = backward ? -1.0 : 1.0;
   const int steps = static_cast<int>(std::ceil(std::min(length_m, reach_m_) / kStep_m));
-  ArcView view{steps * kStep_m, steps * kStep_m, false, std::min(clearance_here_m_, kNoticed_m)};
+  ArcView view{steps * kStep_m, steps * kStep_m, false, steps * kStep_m, std::min(clearance_here_m_, kNoticed_m)};
   const double turn_rad = 0.5 * direction * kStep_m * curvature_per_m;
   const double turn_cos = std::cos(turn_rad);
   const double turn_sin = std::sin(turn_rad);
@@ -87,6 +95,12 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
     turn(heading_x, heading_y);
     const double reached_m = (i - 1) * kStep_m;
     for (const NearCell& cell : cells_) {
+      if (cell.unwatched) {
+        if (view.watched_m <= reached_m) continue;
+        const double distance = distance_m(cell, x_m, y_m);
+        if (distance < body_radius_m_ && distance < cell.start_m - kNoDeeper_m) view.watched_m = reached_m;
+        continue;
+      }
       const bool is_free_so_far = view.free_m > reached_m;
       if (!cell.occupied && !is_free_so_far) continue;
       const double distance = distance_m(cell, x_m, y_m);

@@ -22,6 +22,8 @@ class FloorKnowledge {
   [[nodiscard]] virtual bool is_seen(Cell c) const = 0;
   /// Something that the map does not know (yet) may stand here: as good as occupied.
   [[nodiscard]] virtual bool is_suspect(Cell) const { return false; }
+  /// The camera has not looked here lately, and somebody who is about could have come.
+  [[nodiscard]] virtual bool is_unwatched(Cell) const { return false; }
   /// Of an occupied cell that is not suspect.
   [[nodiscard]] virtual Extent extent(Cell) const { return Extent::square; }
 };
@@ -30,6 +32,7 @@ struct ArcView {
   double free_m = 0.0;       ///< the centre may go this far over seen floor, clear of obstacles with the margin
   double clear_m = 0.0;      ///< ... over any floor, clear of obstacles with the margin less the slack
   bool is_doubtful = false;  ///< free_m ends at a cell that is unknown or presumed, not at an obstacle
+  double watched_m = 0.0;    ///< the body may go this far before it sweeps over what is free but unwatched
   double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
 };
 
@@ -62,6 +65,7 @@ class ArcCheck {
     double start_m;  ///< distance from the robot's centre to the cell
     bool occupied;
     bool is_square;  ///< else its middle counts
+    bool unwatched;  ///< free, and seen once
   };
   [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m) const;
 

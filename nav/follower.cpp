@@ -80,7 +80,9 @@ hal::Twist Follower::step(const hal::PlanarPose& T_world_base, const hal::Twist&
   limiter_ = choice.limiter;
   // Before it creeps where nobody has looked, the path must be in view; where no arc goes on, a straight one may.
   const bool is_blind = choice.limiter == SpeedLimiter::unknown && choice.speed_mps <= config_.limits.crawl_speed_mps;
-  if (is_blind && std::fabs(bearing) > kInView_rad) {
+  // Nor does it drive along where the camera has not looked for a while, when somebody may have come there.
+  if ((is_blind && std::fabs(bearing) > kInView_rad) ||
+      (choice.leads_unwatched && std::fabs(bearing) > kTurnUntil_rad)) {
     is_turning_to_path_ = std::fabs(bearing) > kTurnUntil_rad;
     state_ = FollowerState::turning;
     return turn(bearing, velocity);
@@ -155,6 +157,8 @@ Follower::Choice Follower::allowed(double curvature_per_m) const {
   limit(std::max(stop_within(view.free_m), limits.crawl_speed_mps),
         view.is_doubtful ? SpeedLimiter::unknown : SpeedLimiter::tight);
   limit(stop_within(view.clear_m), SpeedLimiter::obstacle);
+  choice.leads_unwatched =
+      view.watched_m < distance_to_stop(choice.speed_mps, limits.deceleration_mps2, limits.reaction_s);
   return choice;
 }
 

@@ -74,6 +74,7 @@ class Follower {
     double speed_mps = 0.0;
     double curvature_per_m = 0.0;
     SpeedLimiter limiter = SpeedLimiter::none;
+    bool leads_unwatched = false;  ///< over floor where somebody may have come unseen
   };
   [[nodiscard]] Choice choose_arc(const hal::PlanarPose& T_world_base) const;
   [[nodiscard]] Choice allowed(double curvature_per_m) const;

@@ -179,4 +179,12 @@ bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
   return false;
 }
 
+bool PasserTracks::may_have_come(double x_m, double y_m, hal::TimeNs now) const {
+  return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
+    const double s = seconds_between(track.seen_ns, now);
+    return track.has_walked && s > 0.0 && s < config_.about_s &&
+           std::hypot(x_m - track.x_m, y_m - track.y_m) <= config_.radius_m + s * config_.roams_mps;
+  });
+}
+
 }  // namespace g3d::nav

@@ -30,6 +30,8 @@ struct PasserTracksConfig {
   double least_mps = 0.25;     ///< slower: he stands, or it is none who walks
   double most_mps = 2.0;       ///< faster: the readings were not of one thing
   double gate_m = 0.5;         ///< farther from where he should be it is somebody else
+  double about_s = 15.0;       ///< after the last sight he is still thought to be somewhere near
+  double roams_mps = 1.2;      ///< and to have gone anywhere so fast
 };
 
 class PasserTracks {
@@ -47,6 +49,8 @@ class PasserTracks {
 
   /// Somebody stands or walks here; or, if he is out of sight, will be here within `ahead_s`.
   [[nodiscard]] bool may_come(double x_m, double y_m, hal::TimeNs now) const;
+  /// Somebody who has walked and is out of sight could have got here by now, whichever way he took.
+  [[nodiscard]] bool may_have_come(double x_m, double y_m, hal::TimeNs now) const;
 
  private:
   struct Track {

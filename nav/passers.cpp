@@ -31,6 +31,7 @@ Known known_at(const CellGrid<CellState>& states, const MovedLately& moved, Cell
 Passers::Passers(const CellGrid<CellState>& like, const PassersConfig& config)
     : config_(config),
       until_(like.resolution_m, like.origin_x_m, like.origin_y_m, like.columns, like.rows, 0),
+      looked_(like.resolution_m, like.origin_x_m, like.origin_y_m, like.columns, like.rows, 0),
       tracks_(config.tracks) {}
 
 void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
@@ -49,6 +50,7 @@ void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, con
       const Cell c = cell_at(scan.eye_x_m() + s * along_x, scan.eye_y_m() + s * along_y);
       if (!until_.contains(c)) break;
       until_.at(c) = 0;
+      looked_.at(c) = tick(now);
     }
   }
   const std::uint32_t until = tick(now + static_cast<hal::TimeNs>(config_.hold_s * 1e9));

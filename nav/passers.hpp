@@ -19,7 +19,8 @@ namespace g3d::nav {
 
 struct PassersConfig {
   double body_radius_m = 0.18;
-  double hold_s = 5.0;  ///< somebody out of sight is taken to stand where he was last seen for so long
+  double hold_s = 5.0;   ///< somebody out of sight is taken to stand where he was last seen for so long
+  double fresh_s = 1.2;  ///< while people are about, a look through a cell is worth so much
   PasserTracksConfig tracks;
 };
 
@@ -38,11 +39,18 @@ class Passers {
            tracks_.may_come(until_.centre_x_m(c), until_.centre_y_m(c), now);
   }
 
+  /// Nobody has looked through this cell lately, and somebody who is about could have walked there since.
+  [[nodiscard]] bool may_have_come(Cell c, hal::TimeNs now) const {
+    return looked_.contains(c) && tick(now) > looked_.at(c) + static_cast<std::uint32_t>(10.0 * config_.fresh_s) &&
+           tracks_.may_have_come(looked_.centre_x_m(c), looked_.centre_y_m(c), now);
+  }
+
  private:
   [[nodiscard]] static std::uint32_t tick(hal::TimeNs now) { return static_cast<std::uint32_t>(now / 100'000'000) + 1; }
 
   PassersConfig config_;
-  CellGrid<std::uint32_t> until_;  ///< tick; 0: nobody
+  CellGrid<std::uint32_t> until_;   ///< tick; 0: nobody
+  CellGrid<std::uint32_t> looked_;  ///< tick of the last look through it; 0: never
   PasserTracks tracks_;
 };
 

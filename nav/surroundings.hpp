@@ -79,6 +79,7 @@ class Surroundings final : public FloorKnowledge {
   void forget_changes();
 
   [[nodiscard]] bool is_seen(Cell c) const override;
+  [[nodiscard]] bool is_unwatched(Cell c) const override { return passers_.may_have_come(c, now_ns_); }
   [[nodiscard]] bool is_suspect(Cell c) const override {
     return near_watch_.is_suspect(c, now_ns_) || passers_.is_there(c, now_ns_);
   }

@@ -89,6 +89,25 @@ TEST_CASE("A floor that is only presumed is as good as unknown") {
   CHECK(check.look(0.0, 0.6).free_m >= 0.6);
 }
 
+TEST_CASE("Free floor that nobody watches ends what is watched, and nothing else") {
+  struct WatchedUntil final : nav::FloorKnowledge {
+    [[nodiscard]] bool is_seen(Cell) const override { return true; }
+    [[nodiscard]] bool is_unwatched(Cell c) const override { return c.x >= 50; }  // from x 0.50
+  } watched;
+  const Ground ground = free_floor();
+  nav::ArcCheck check(kRadius_m, kMargin_m, 0.6, ground.resolution_m);
+  check.gather(ground, {0.0, 0.0, 0.0}, &watched);
+  const nav::ArcView view = check.look(0.0, 0.6);
+  CHECK(view.watched_m <= 0.525 - kRadius_m);
+  CHECK(view.watched_m > 0.525 - kRadius_m - 2 * nav::ArcCheck::kStep_m);
+  CHECK(view.free_m >= 0.6);
+  CHECK(view.clear_m >= 0.6);
+  CHECK_FALSE(view.is_doubtful);
+  CHECK(check.look(0.0, 0.6, true).watched_m >= 0.6);
+  check.gather(ground, {0.0, 0.0, 0.0});
+  CHECK(check.look(0.0, 0.6).watched_m >= 0.6);
+}
+
 TEST_CASE("An occupied cell counts as what the floor's knowledge says") {
   struct Knows final : nav::FloorKnowledge {
     [[nodiscard]] bool is_seen(Cell) const override { return true; }

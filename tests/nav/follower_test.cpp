@@ -170,6 +170,37 @@ TEST_CASE("Into the unknown it creeps, and looks there first") {
   CHECK(drive.fastest_mps <= 0.1);
 }
 
+TEST_CASE("Where somebody may have come unseen it turns to its way before it drives along it") {
+  // What it looks at, 57 degrees, is watched.
+  struct Watched final : nav::FloorKnowledge {
+    const Drive* drive = nullptr;
+    bool somebody_is_about = true;
+    [[nodiscard]] bool is_seen(nav::Cell) const override { return true; }
+    [[nodiscard]] bool is_unwatched(nav::Cell c) const override {
+      const hal::PlanarPose pose = drive->robot.pose();
+      const double bearing_rad =
+          std::atan2(drive->ground.centre_y_m(c) - pose.y_m, drive->ground.centre_x_m(c) - pose.x_m);
+      return somebody_is_about && std::fabs(nav::wrap_angle(bearing_rad - pose.heading_rad)) > 0.5;
+    }
+  } watched;
+  for (const bool somebody_is_about : {false, true}) {
+    Drive drive({}, {0, 0, 0});
+    watched.drive = &drive;
+    watched.somebody_is_about = somebody_is_about;
+    const std::vector<Waypoint> path{{0, 0}, {1.5, 1.2}};  // 0.67 rad to the left
+    drive.follower.set_path(path, std::nullopt);
+    double turned_rad = 0.0;  // when it begins to drive
+    for (int i = 0; i < 1000 && drive.follower.state() != FollowerState::arrived; ++i) {
+      const hal::Twist twist =
+          drive.follower.step(drive.robot.pose(), drive.robot.velocity(), drive.ground, drive.cost, &watched);
+      if (twist.forward_mps > 0.0 && turned_rad == 0.0) turned_rad = drive.robot.pose().heading_rad;
+      drive.robot.step(twist, kStep_s);
+    }
+    CHECK(drive.follower.state() == FollowerState::arrived);
+    CHECK(turned_rad == (somebody_is_about ? Approx(0.67).margin(0.4) : Approx(0.0).margin(0.01)));
+  }
+}
+
 TEST_CASE("A robot that stands against a wall drives away from it") {
   Drive drive({{-1.0, -1.0, 1.0, -0.179}}, {0, 0, 0});  // one millimetre from the body
   const std::vector<Waypoint> path{{0, 0}, {0.3, 0.3}, {2, 1}};

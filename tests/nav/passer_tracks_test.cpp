@@ -62,6 +62,10 @@ struct Walk {
   void look_until(double end_s) {
     for (hal::TimeNs t = kFrame_ns; t <= at_s(end_s); t += kFrame_ns) look(1e-9 * static_cast<double>(t));
   }
+  /// Nobody has looked there lately, and he could have gone there.
+  [[nodiscard]] bool may_have_come(double x, double y, double t_s) const {
+    return passers.may_have_come(floor.cell_of(x, y), at_s(t_s));
+  }
   [[nodiscard]] bool may_come(double x, double y, double t_s) const {
     return passers.is_there(floor.cell_of(x, y), at_s(t_s));
   }
@@ -196,4 +200,36 @@ TEST_CASE("Two who cross are two", "[nav][passers]") {
   CHECK(tracks.may_come(1.4, 1.0, at_s(2.5)));
   CHECK(tracks.may_come(2.3, -0.8, at_s(2.5)));
   CHECK_FALSE(tracks.may_come(1.9, 0.1, at_s(2.5)));
+}
+
+TEST_CASE("Who has walked may be anywhere that he could have reached, but where the camera has just looked",
+          "[nav][passers]") {
+  Walk walk;
+  walk.look_until(2.0);
+  CHECK_FALSE(walk.may_have_come(1.0, 0.1, 2.0));  // looked through
+  const hal::PlanarPose turned{0.0, 0.0, 2.4};
+  for (double t_s = 2.1; t_s < 6.05; t_s += 0.1) walk.look(t_s, false, turned);
+  CHECK_FALSE(walk.may_have_come(1.0, 0.1, 3.0));   // not long ago
+  CHECK(walk.may_have_come(1.0, 0.1, 6.0));         // he may have turned round
+  CHECK(walk.may_have_come(-0.2, -1.0, 6.0));       // never looked at
+  CHECK_FALSE(walk.may_have_come(-0.8, 0.7, 6.0));  // in view
+  CHECK_FALSE(walk.may_have_come(9.0, 0.0, 6.0));   // not of this floor
+  CHECK_FALSE(walk.may_have_come(1.0, 0.1, 20.0));  // long gone
+}
+
+TEST_CASE("Nobody is expected where nobody has walked, nor farther off than anybody walks", "[nav][passers]") {
+  Walk nobody;
+  for (double t_s = 0.1; t_s < 1.0; t_s += 0.1) nobody.look(t_s, false);
+  CHECK_FALSE(nobody.may_have_come(1.0, 0.1, 9.0));
+  Walk stands;
+  stands.vx_mps = stands.vy_mps = 0.0;
+  stands.from_y_m = 0.0;
+  stands.look_until(1.0);
+  stands.look(1.1, false, {0.0, 0.0, 2.4});
+  CHECK_FALSE(stands.may_have_come(1.0, 0.1, 9.0));
+  Walk walk;
+  walk.look_until(2.0);
+  walk.look(2.1, false, {0.0, 0.0, 2.4});
+  CHECK(walk.may_have_come(1.0, -1.0, 5.0));
+  CHECK_FALSE(walk.may_have_come(-3.5, 0.0, 5.0));  // 5 m in 3 s
 }
