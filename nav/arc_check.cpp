@@ -19,13 +19,16 @@ ArcCheck::ArcCheck(double body_radius_m, double touch_margin_m, double reach_m, 
   cells_.reserve(static_cast<std::size_t>(side_cells * side_cells));
 }
 
-// An occupied cell is its whole square, if nothing better is known; an unknown one its centre: half a cell of doubt is
-// no reason to stop.
+// An unknown cell is its centre: half a cell of doubt is no reason to stop.
 double ArcCheck::distance_m(const NearCell& cell, double x_m, double y_m) const {
-  const double half_m = cell.is_square ? half_cell_m_ : 0.0;
+  const double half_m = cell.occupied ? half_cell_m_ : 0.0;
   const double dx = std::max(std::fabs(cell.x_m - x_m) - half_m, 0.0);
   const double dy = std::max(std::fabs(cell.y_m - y_m) - half_m, 0.0);
   return std::sqrt(dx * dx + dy * dy);
+}
+
+double ArcCheck::touch_m(double clearance_m) const {
+  return body_radius_m_ + std::max(std::min(touch_margin_m_ - kSlack_m, clearance_m - kNoDeeper_m), -kOverlap_m);
 }
 
 void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base,
@@ -34,7 +37,8 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
   half_cell_m_ = 0.5 * ground.resolution_m;
   forward_x_ = std::cos(T_world_base.heading_rad);
   forward_y_ = std::sin(T_world_base.heading_rad);
-  clearance_here_m_ = reach_m_;
+  clearance_here_m_ = trusted_here_m_ = reach_m_;
+  has_trusted_ = false;
   const double radius_m = reach_m_ + body_radius_m_ + kNoticed_m;
   const Cell low = ground.cell_of(T_world_base.x_m - radius_m, T_world_base.y_m - radius_m);
   const Cell high = ground.cell_of(T_world_base.x_m + radius_m, T_world_base.y_m + radius_m);
@@ -48,7 +52,7 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
         extent = Extent::square;
       } else if (floor != nullptr && state == CellState::occupied) {
         extent = floor->extent(c);
-        if (extent == Extent::nothing) continue;
+        has_trusted_ = has_trusted_ || extent != Extent::square;
       }
       bool is_unwatched = false;
       if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) {
@@ -59,11 +63,17 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
                     ground.centre_y_m(c) - T_world_base.y_m,
                     0.0,
                     state == CellState::occupied,
-                    extent == Extent::square,
+                    extent,
                     is_unwatched};
       cell.start_m = distance_m(cell, 0.0, 0.0);
       if (cell.start_m > radius_m || cells_.size() == cells_.capacity()) continue;
-      if (cell.occupied) clearance_here_m_ = std::min(clearance_here_m_, cell.start_m - body_radius_m_);
+      if (cell.occupied) {
+        clearance_here_m_ = std::min(clearance_here_m_, cell.start_m - body_radius_m_);
+        if (extent == Extent::square) trusted_here_m_ = std::min(trusted_here_m_, cell.start_m - body_radius_m_);
+        if (extent == Extent::middle) {
+          trusted_here_m_ = std::min(trusted_here_m_, std::hypot(cell.x_m, cell.y_m) - body_radius_m_);
+        }
+      }
       cells_.push_back(cell);
     }
   }
@@ -72,7 +82,8 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
 ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) const {
   const double direction = backward ? -1.0 : 1.0;
   const int steps = static_cast<int>(std::ceil(std::min(length_m, reach_m_) / kStep_m));
-  ArcView view{steps * kStep_m, steps * kStep_m, false, steps * kStep_m, std::min(clearance_here_m_, kNoticed_m)};
+  const double all_m = steps * kStep_m;
+  ArcView view{all_m, all_m, all_m, false, all_m, std::min(clearance_here_m_, kNoticed_m)};
   const double turn_rad = 0.5 * direction * kStep_m * curvature_per_m;
   const double turn_cos = std::cos(turn_rad);
   const double turn_sin = std::sin(turn_rad);
@@ -84,8 +95,8 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
   // Beside a wall that is nearer than the margin the robot may go along it, not deeper.
   const double strict_m =
       body_radius_m_ + std::max(std::min(touch_margin_m_, clearance_here_m_ - kNoDeeper_m), touch_margin_m_ - kSlack_m);
-  const double touch_m =
-      body_radius_m_ + std::max(std::min(touch_margin_m_ - kSlack_m, clearance_here_m_ - kNoDeeper_m), -kOverlap_m);
+  const double square_touch_m = touch_m(clearance_here_m_);
+  const double trusted_touch_m = touch_m(trusted_here_m_);
   double x_m = 0.0, y_m = 0.0;
   double heading_x = forward_x_, heading_y = forward_y_;
   for (int i = 1; i <= steps; ++i) {
@@ -95,26 +106,36 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
     turn(heading_x, heading_y);
     const double reached_m = (i - 1) * kStep_m;
     for (const NearCell& cell : cells_) {
-      if (cell.unwatched) {
-        if (view.watched_m <= reached_m) continue;
-        const double distance = distance_m(cell, x_m, y_m);
-        if (distance < body_radius_m_ && distance < cell.start_m - kNoDeeper_m) view.watched_m = reached_m;
+      const double distance = distance_m(cell, x_m, y_m);
+      const bool is_nearer = distance < cell.start_m - kNoDeeper_m;
+      if (!cell.occupied) {
+        if (!is_nearer || distance >= body_radius_m_) continue;
+        if (cell.unwatched) {
+          view.watched_m = std::min(view.watched_m, reached_m);
+        } else if (view.free_m > reached_m) {
+          view.free_m = reached_m;
+          view.is_doubtful = true;
+        }
         continue;
       }
-      const bool is_free_so_far = view.free_m > reached_m;
-      if (!cell.occupied && !is_free_so_far) continue;
-      const double distance = distance_m(cell, x_m, y_m);
-      if (cell.occupied) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
-      if (distance >= (cell.occupied ? strict_m : body_radius_m_) || distance >= cell.start_m - kNoDeeper_m) continue;
-      if (is_free_so_far) {
+      const bool is_clear_so_far = view.clear_m > reached_m;
+      if (is_clear_so_far) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
+      if (is_nearer && distance < strict_m && view.free_m > reached_m) {
         view.free_m = reached_m;
-        view.is_doubtful = !cell.occupied;
+        view.is_doubtful = false;
       }
-      if (!cell.occupied || distance >= touch_m) continue;
-      view.clear_m = reached_m;
+      if (is_nearer && distance < square_touch_m && is_clear_so_far) view.clear_m = reached_m;
+      if (cell.extent == Extent::nothing) continue;
+      const double trusted = cell.extent == Extent::square ? distance : std::hypot(cell.x_m - x_m, cell.y_m - y_m);
+      const double start = cell.extent == Extent::square ? cell.start_m : std::hypot(cell.x_m, cell.y_m);
+      if (trusted >= trusted_touch_m || trusted >= start - kNoDeeper_m) continue;
+      view.trusted_m = reached_m;
+      view.clear_m = std::min(view.clear_m, reached_m);
       return view;
     }
+    if (!has_trusted_ && view.clear_m <= reached_m) break;
   }
+  view.trusted_m = has_trusted_ ? std::max(view.trusted_m, view.clear_m) : view.clear_m;
   return view;
 }
 

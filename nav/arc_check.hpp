@@ -12,7 +12,7 @@
 
 namespace g3d::nav {
 
-/// What an occupied cell is taken for.
+/// What an occupied cell may be taken for where there is no other way.
 enum class Extent : std::uint8_t { square, middle, nothing };
 
 /// Whether the floor itself was seen in a cell that counts as free (GroundMap: else it is only presumed).
@@ -31,6 +31,7 @@ class FloorKnowledge {
 struct ArcView {
   double free_m = 0.0;       ///< the centre may go this far over seen floor, clear of obstacles with the margin
   double clear_m = 0.0;      ///< ... over any floor, clear of obstacles with the margin less the slack
+  double trusted_m = 0.0;    ///< the same if cells beside the own way are what FloorKnowledge::extent() says; not less
   bool is_doubtful = false;  ///< free_m ends at a cell that is unknown or presumed, not at an obstacle
   double watched_m = 0.0;    ///< the body may go this far before it sweeps over what is free but unwatched
   double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
@@ -64,17 +65,22 @@ class ArcCheck {
     double y_m;
     double start_m;  ///< distance from the robot's centre to the cell
     bool occupied;
-    bool is_square;  ///< else its middle counts
+    Extent extent;
     bool unwatched;  ///< free, and seen once
   };
+  /// To the square of an occupied cell, to the middle of any other.
   [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m) const;
+  /// Nearer than that to an obstacle is too near, for a body that is so far from all of them now.
+  [[nodiscard]] double touch_m(double clearance_m) const;
 
   double body_radius_m_;
   double touch_margin_m_;
   double reach_m_;
   double half_cell_m_ = 0.0;
   double clearance_here_m_ = 0.0;
-  double forward_x_ = 1.0;  ///< the robot's x axis in the world
+  double trusted_here_m_ = 0.0;
+  bool has_trusted_ = false;  ///< some occupied cell is no square
+  double forward_x_ = 1.0;    ///< the robot's x axis in the world
   double forward_y_ = 0.0;
   std::vector<NearCell> cells_;
 };

@@ -76,7 +76,7 @@ hal::Twist Follower::step(const hal::PlanarPose& T_world_base, const hal::Twist&
     return turn(bearing, velocity);
   }
   turn_sign_ = 0.0;
-  const Choice choice = choose_arc(T_world_base);
+  Choice choice = choose_arc(T_world_base, false);
   limiter_ = choice.limiter;
   // Before it creeps where nobody has looked, the path must be in view; where no arc goes on, a straight one may.
   const bool is_blind = choice.limiter == SpeedLimiter::unknown && choice.speed_mps <= config_.limits.crawl_speed_mps;
@@ -93,6 +93,9 @@ hal::Twist Follower::step(const hal::PlanarPose& T_world_base, const hal::Twist&
       state_ = FollowerState::turning;
       return turn(near_rad, velocity);
     }
+    // Where it has been it may be again, and creeps between what the map's noise may have put beside that way.
+    choice = choose_arc(T_world_base, true);
+    limiter_ = choice.limiter;
   }
   state_ = FollowerState::driving;
   if (choice.speed_mps < kTooSlow_mps) {
@@ -109,7 +112,7 @@ double Follower::bearing_rad(const hal::PlanarPose& T_world_base, double ahead_m
   return wrap_angle(std::atan2(dy, dx) - T_world_base.heading_rad);
 }
 
-Follower::Choice Follower::choose_arc(const hal::PlanarPose& T_world_base) const {
+Follower::Choice Follower::choose_arc(const hal::PlanarPose& T_world_base, bool trusts_own_way) const {
   const MotionLimits& limits = config_.limits;
   const double forward_x = std::cos(T_world_base.heading_rad);
   const double forward_y = std::sin(T_world_base.heading_rad);
@@ -125,7 +128,7 @@ Follower::Choice Follower::choose_arc(const hal::PlanarPose& T_world_base) const
     const double square_m2 = dx * dx + dy * dy;
     if (forward_m <= 0.0 || square_m2 == last_distance_m) continue;
     last_distance_m = square_m2;
-    const Choice choice = allowed(2.0 * left_m / square_m2);  // pure pursuit: the circle through both
+    const Choice choice = allowed(2.0 * left_m / square_m2, trusts_own_way);  // pure pursuit: the circle through both
     if (choice.speed_mps > best.speed_mps * kBetter + 1e-3) best = choice;
   }
   const double brake_mps = speed_to_stop_within(track_.remaining_m(), limits.deceleration_mps2, kGoalReaction_s);
@@ -136,7 +139,7 @@ Follower::Choice Follower::choose_arc(const hal::PlanarPose& T_world_base) const
   return best;
 }
 
-Follower::Choice Follower::allowed(double curvature_per_m) const {
+Follower::Choice Follower::allowed(double curvature_per_m, bool trusts_own_way) const {
   const MotionLimits& limits = config_.limits;
   Choice choice{limits.max_speed_mps, curvature_per_m, SpeedLimiter::none};
   const auto limit = [&choice](double speed_mps, SpeedLimiter limiter) {
@@ -156,7 +159,8 @@ Follower::Choice Follower::allowed(double curvature_per_m) const {
   // The path was planned there, so what is still unknown may be crept up to and over; what is occupied may not.
   limit(std::max(stop_within(view.free_m), limits.crawl_speed_mps),
         view.is_doubtful ? SpeedLimiter::unknown : SpeedLimiter::tight);
-  limit(stop_within(view.clear_m), SpeedLimiter::obstacle);
+  limit(trusts_own_way ? std::min(stop_within(view.trusted_m), limits.crawl_speed_mps) : stop_within(view.clear_m),
+        SpeedLimiter::obstacle);
   choice.leads_unwatched =
       view.watched_m < distance_to_stop(choice.speed_mps, limits.deceleration_mps2, limits.reaction_s);
   return choice;

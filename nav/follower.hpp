@@ -76,8 +76,8 @@ class Follower {
     SpeedLimiter limiter = SpeedLimiter::none;
     bool leads_unwatched = false;  ///< over floor where somebody may have come unseen
   };
-  [[nodiscard]] Choice choose_arc(const hal::PlanarPose& T_world_base) const;
-  [[nodiscard]] Choice allowed(double curvature_per_m) const;
+  [[nodiscard]] Choice choose_arc(const hal::PlanarPose& T_world_base, bool trusts_own_way) const;
+  [[nodiscard]] Choice allowed(double curvature_per_m, bool trusts_own_way) const;
   [[nodiscard]] double bearing_rad(const hal::PlanarPose& T_world_base, double ahead_m) const;
   void look_along_path(const hal::PlanarPose& T_world_base, const CellGrid<std::uint8_t>& cost);
   [[nodiscard]] hal::Twist turn(double error_rad, const hal::Twist& velocity);

@@ -170,6 +170,32 @@ TEST_CASE("Into the unknown it creeps, and looks there first") {
   CHECK(drive.fastest_mps <= 0.1);
 }
 
+TEST_CASE("Between what noise may have put beside its own way it creeps") {
+  struct OwnWay final : nav::FloorKnowledge {
+    [[nodiscard]] bool is_seen(nav::Cell) const override { return true; }
+    [[nodiscard]] nav::Extent extent(nav::Cell) const override { return nav::Extent::middle; }
+  } own_way;
+  // A gap of 35 cm between squares, of 40 cm between middles. What really stands there leaves 40 cm.
+  Drive drive({}, {0, 0.025, 0});
+  for (const double y_m : {0.22, -0.18}) {
+    const nav::Cell c = drive.ground.cell_of(0.725, y_m);
+    drive.ground.at(c) = CellState::occupied;
+  }
+  const std::vector<Waypoint> path{{0, 0.025}, {1.5, 0.025}};
+  drive.follower.set_path(path, std::nullopt);
+  double slowest_mps = 1.0;
+  for (int i = 0; i < 3000 && drive.follower.state() != FollowerState::arrived; ++i) {
+    const hal::Twist twist =
+        drive.follower.step(drive.robot.pose(), drive.robot.velocity(), drive.ground, drive.cost, &own_way);
+    const double ahead_m = 0.70 - drive.robot.pose().x_m;  // to the squares' near face
+    if (std::fabs(ahead_m) < 0.1) slowest_mps = std::min(slowest_mps, twist.forward_mps);
+    drive.robot.step(twist, kStep_s);
+  }
+  CHECK(drive.follower.state() == FollowerState::arrived);
+  CHECK(slowest_mps > 0.0);  // as it gets between them; once it is, it is no deeper in
+  CHECK(slowest_mps <= nav::MotionLimits{}.crawl_speed_mps + 1e-9);
+}
+
 TEST_CASE("Where somebody may have come unseen it turns to its way before it drives along it") {
   // What it looks at, 57 degrees, is watched.
   struct Watched final : nav::FloorKnowledge {
