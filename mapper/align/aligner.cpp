@@ -147,7 +147,8 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     first_stamp_ns_ = frame.stamp_ns;
   } else {
     const hal::Pose step = is_measured ? hal::compose(hal::inverse(*last_odometry_), T_odometry_camera) : hal::Pose{};
-    const hal::Pose predicted = hal::compose(last_pose_, step);
+    const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
+    const hal::Pose predicted = habits_.predicted(last_pose_, step, dt_s);
     for (std::size_t i = 0; i < 3; ++i) {
       since_aligned_m_[i] += predicted.translation_m[i] - last_pose_.translation_m[i];
     }
@@ -155,11 +156,14 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const hal::TimeNs age_ns = options_.motion == Motion::planar ? options_.least_age_ns : 0;
     const hal::TimeNs old_ns = frame.stamp_ns - age_ns;
     born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
-    since_aligned_s_ += std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
+    since_aligned_s_ += dt_s;
     result =
         judge(predicted,
               prior_information(options_.noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_),
               is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity());
+  }
+  if (result.outcome == AlignOutcome::aligned && is_measured && options_.motion == Motion::planar) {
+    habits_.learn(result.correction, since_aligned_m_, since_aligned_s_, result.holds_shift, result.holds_turn);
   }
   // Hand-held, more doubt after refused frames made the worst of fr1_rpy better and its median worse.
   if (result.outcome == AlignOutcome::aligned || !is_robot) {

@@ -12,11 +12,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "hal/messages.hpp"
 #include "mapper/align/align_report.hpp"
 #include "mapper/align/depth_samples.hpp"
 #include "mapper/align/motion_prior.hpp"
+#include "mapper/align/odometry_habits.hpp"
 #include "mapper/align/surface_map.hpp"
 
 namespace g3d::mapper::align {
@@ -64,6 +66,9 @@ class Aligner {
 
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
+  [[nodiscard]] const OdometryHabits& habits() const { return habits_; }
+  /// Of the last frame, camera frame.
+  [[nodiscard]] std::span<const DepthSample> samples() const { return samples_.all(); }
   /// After the last frame, or from the thread that aligns.
   [[nodiscard]] const AlignReport& report() const { return report_; }
 
@@ -87,6 +92,7 @@ class Aligner {
   hal::TimeNs last_stamp_ns_ = 0;
   double since_aligned_s_ = 0.0;  ///< while a robot's frames are refused, odometry's errors add up
   std::array<double, 3> since_aligned_m_{};
+  OdometryHabits habits_;  ///< planar, measured
   hal::TimeNs first_stamp_ns_ = 0;
   hal::TimeNs born_by_ns_ = 0;  ///< what this frame may be aligned to
   AlignReport report_;
