@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace g3d::nav {
 namespace {
@@ -27,8 +28,10 @@ double ArcCheck::distance_m(const NearCell& cell, double x_m, double y_m) const 
   return std::sqrt(dx * dx + dy * dy);
 }
 
-double ArcCheck::touch_m(double clearance_m) const {
-  return body_radius_m_ + std::max(std::min(touch_margin_m_ - kSlack_m, clearance_m - kNoDeeper_m), -kOverlap_m);
+double ArcCheck::distance_m(const NearCell& cell, double x_m, double y_m, bool trusting) const {
+  if (!trusting || cell.extent == Extent::square) return distance_m(cell, x_m, y_m);
+  if (cell.extent == Extent::nothing) return std::numeric_limits<double>::infinity();
+  return std::hypot(cell.x_m - x_m, cell.y_m - y_m);
 }
 
 void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& T_world_base,
@@ -38,7 +41,6 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
   forward_x_ = std::cos(T_world_base.heading_rad);
   forward_y_ = std::sin(T_world_base.heading_rad);
   clearance_here_m_ = trusted_here_m_ = reach_m_;
-  has_trusted_ = false;
   const double radius_m = reach_m_ + body_radius_m_ + kNoticed_m;
   const Cell low = ground.cell_of(T_world_base.x_m - radius_m, T_world_base.y_m - radius_m);
   const Cell high = ground.cell_of(T_world_base.x_m + radius_m, T_world_base.y_m + radius_m);
@@ -52,7 +54,6 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
         extent = Extent::square;
       } else if (floor != nullptr && state == CellState::occupied) {
         extent = floor->extent(c);
-        has_trusted_ = has_trusted_ || extent != Extent::square;
       }
       bool is_unwatched = false;
       if (state == CellState::free && (floor == nullptr || floor->is_seen(c))) {
@@ -69,21 +70,19 @@ void ArcCheck::gather(const CellGrid<CellState>& ground, const hal::PlanarPose& 
       if (cell.start_m > radius_m || cells_.size() == cells_.capacity()) continue;
       if (cell.occupied) {
         clearance_here_m_ = std::min(clearance_here_m_, cell.start_m - body_radius_m_);
-        if (extent == Extent::square) trusted_here_m_ = std::min(trusted_here_m_, cell.start_m - body_radius_m_);
-        if (extent == Extent::middle) {
-          trusted_here_m_ = std::min(trusted_here_m_, std::hypot(cell.x_m, cell.y_m) - body_radius_m_);
-        }
+        trusted_here_m_ = std::min(trusted_here_m_, distance_m(cell, 0.0, 0.0, true) - body_radius_m_);
       }
       cells_.push_back(cell);
     }
   }
 }
 
-ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) const {
+ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward, bool trusting) const {
   const double direction = backward ? -1.0 : 1.0;
   const int steps = static_cast<int>(std::ceil(std::min(length_m, reach_m_) / kStep_m));
   const double all_m = steps * kStep_m;
-  ArcView view{all_m, all_m, all_m, false, all_m, std::min(clearance_here_m_, kNoticed_m)};
+  const double here_m = trusting ? trusted_here_m_ : clearance_here_m_;
+  ArcView view{all_m, all_m, false, all_m, std::min(here_m, kNoticed_m)};
   const double turn_rad = 0.5 * direction * kStep_m * curvature_per_m;
   const double turn_cos = std::cos(turn_rad);
   const double turn_sin = std::sin(turn_rad);
@@ -94,9 +93,9 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
   };
   // Beside a wall that is nearer than the margin the robot may go along it, not deeper.
   const double strict_m =
-      body_radius_m_ + std::max(std::min(touch_margin_m_, clearance_here_m_ - kNoDeeper_m), touch_margin_m_ - kSlack_m);
-  const double square_touch_m = touch_m(clearance_here_m_);
-  const double trusted_touch_m = touch_m(trusted_here_m_);
+      body_radius_m_ + std::max(std::min(touch_margin_m_, here_m - kNoDeeper_m), touch_margin_m_ - kSlack_m);
+  const double touch_m =
+      body_radius_m_ + std::max(std::min(touch_margin_m_ - kSlack_m, here_m - kNoDeeper_m), -kOverlap_m);
   double x_m = 0.0, y_m = 0.0;
   double heading_x = forward_x_, heading_y = forward_y_;
   for (int i = 1; i <= steps; ++i) {
@@ -106,36 +105,27 @@ ArcView ArcCheck::look(double curvature_per_m, double length_m, bool backward) c
     turn(heading_x, heading_y);
     const double reached_m = (i - 1) * kStep_m;
     for (const NearCell& cell : cells_) {
-      const double distance = distance_m(cell, x_m, y_m);
-      const bool is_nearer = distance < cell.start_m - kNoDeeper_m;
-      if (!cell.occupied) {
-        if (!is_nearer || distance >= body_radius_m_) continue;
-        if (cell.unwatched) {
-          view.watched_m = std::min(view.watched_m, reached_m);
-        } else if (view.free_m > reached_m) {
-          view.free_m = reached_m;
-          view.is_doubtful = true;
-        }
+      if (cell.unwatched) {
+        if (view.watched_m <= reached_m) continue;
+        const double distance = distance_m(cell, x_m, y_m);
+        if (distance < body_radius_m_ && distance < cell.start_m - kNoDeeper_m) view.watched_m = reached_m;
         continue;
       }
-      const bool is_clear_so_far = view.clear_m > reached_m;
-      if (is_clear_so_far) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
-      if (is_nearer && distance < strict_m && view.free_m > reached_m) {
+      const bool is_free_so_far = view.free_m > reached_m;
+      if (!cell.occupied && !is_free_so_far) continue;
+      const double distance = distance_m(cell, x_m, y_m, trusting);
+      if (cell.occupied) view.clearance_m = std::min(view.clearance_m, distance - body_radius_m_);
+      if (distance >= (cell.occupied ? strict_m : body_radius_m_)) continue;
+      if (distance >= distance_m(cell, 0.0, 0.0, trusting) - kNoDeeper_m) continue;
+      if (is_free_so_far) {
         view.free_m = reached_m;
-        view.is_doubtful = false;
+        view.is_doubtful = !cell.occupied;
       }
-      if (is_nearer && distance < square_touch_m && is_clear_so_far) view.clear_m = reached_m;
-      if (cell.extent == Extent::nothing) continue;
-      const double trusted = cell.extent == Extent::square ? distance : std::hypot(cell.x_m - x_m, cell.y_m - y_m);
-      const double start = cell.extent == Extent::square ? cell.start_m : std::hypot(cell.x_m, cell.y_m);
-      if (trusted >= trusted_touch_m || trusted >= start - kNoDeeper_m) continue;
-      view.trusted_m = reached_m;
-      view.clear_m = std::min(view.clear_m, reached_m);
+      if (!cell.occupied || distance >= touch_m) continue;
+      view.clear_m = reached_m;
       return view;
     }
-    if (!has_trusted_ && view.clear_m <= reached_m) break;
   }
-  view.trusted_m = has_trusted_ ? std::max(view.trusted_m, view.clear_m) : view.clear_m;
   return view;
 }
 

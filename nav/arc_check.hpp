@@ -31,7 +31,6 @@ class FloorKnowledge {
 struct ArcView {
   double free_m = 0.0;       ///< the centre may go this far over seen floor, clear of obstacles with the margin
   double clear_m = 0.0;      ///< ... over any floor, clear of obstacles with the margin less the slack
-  double trusted_m = 0.0;    ///< the same if cells beside the own way are what FloorKnowledge::extent() says; not less
   bool is_doubtful = false;  ///< free_m ends at a cell that is unknown or presumed, not at an obstacle
   double watched_m = 0.0;    ///< the body may go this far before it sweeps over what is free but unwatched
   double clearance_m = 0.0;  ///< least distance from the body to an occupied cell on the way, at most kNoticed_m
@@ -54,7 +53,9 @@ class ArcCheck {
               const FloorKnowledge* floor = nullptr);
 
   /// `curvature_per_m` > 0 turns left when driving forward. `backward`: the same circle, the other way.
-  [[nodiscard]] ArcView look(double curvature_per_m, double length_m, bool backward = false) const;
+  /// `trusting`: occupied cells are what FloorKnowledge::extent() says, not squares.
+  [[nodiscard]] ArcView look(double curvature_per_m, double length_m, bool backward = false,
+                             bool trusting = false) const;
 
   /// Distance from the body to the nearest occupied cell, below 0 when inside; at most the reach.
   [[nodiscard]] double clearance_m() const { return clearance_here_m_; }
@@ -70,8 +71,7 @@ class ArcCheck {
   };
   /// To the square of an occupied cell, to the middle of any other.
   [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m) const;
-  /// Nearer than that to an obstacle is too near, for a body that is so far from all of them now.
-  [[nodiscard]] double touch_m(double clearance_m) const;
+  [[nodiscard]] double distance_m(const NearCell& cell, double x_m, double y_m, bool trusting) const;
 
   double body_radius_m_;
   double touch_margin_m_;
@@ -79,8 +79,7 @@ class ArcCheck {
   double half_cell_m_ = 0.0;
   double clearance_here_m_ = 0.0;
   double trusted_here_m_ = 0.0;
-  bool has_trusted_ = false;  ///< some occupied cell is no square
-  double forward_x_ = 1.0;    ///< the robot's x axis in the world
+  double forward_x_ = 1.0;  ///< the robot's x axis in the world
   double forward_y_ = 0.0;
   std::vector<NearCell> cells_;
 };

@@ -149,7 +149,7 @@ Follower::Choice Follower::allowed(double curvature_per_m, bool trusts_own_way) 
   };
   if (curvature_per_m != 0.0) limit(limits.max_turn_radps / std::fabs(curvature_per_m), SpeedLimiter::curvature);
   const double reach_m = distance_to_stop(choice.speed_mps, limits.deceleration_mps2, limits.reaction_s);
-  const ArcView view = check_.look(curvature_per_m, reach_m + ArcCheck::kStep_m);
+  const ArcView view = check_.look(curvature_per_m, reach_m + ArcCheck::kStep_m, false, trusts_own_way);
   const double beside = std::clamp(view.clearance_m / ArcCheck::kNoticed_m, 0.0, 1.0);
   limit(config_.beside_obstacle_mps + beside * (limits.max_speed_mps - config_.beside_obstacle_mps),
         SpeedLimiter::clearance);
@@ -159,7 +159,7 @@ Follower::Choice Follower::allowed(double curvature_per_m, bool trusts_own_way) 
   // The path was planned there, so what is still unknown may be crept up to and over; what is occupied may not.
   limit(std::max(stop_within(view.free_m), limits.crawl_speed_mps),
         view.is_doubtful ? SpeedLimiter::unknown : SpeedLimiter::tight);
-  limit(trusts_own_way ? std::min(stop_within(view.trusted_m), limits.crawl_speed_mps) : stop_within(view.clear_m),
+  limit(trusts_own_way ? std::min(stop_within(view.clear_m), limits.crawl_speed_mps) : stop_within(view.clear_m),
         SpeedLimiter::obstacle);
   choice.leads_unwatched =
       view.watched_m < distance_to_stop(choice.speed_mps, limits.deceleration_mps2, limits.reaction_s);

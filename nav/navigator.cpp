@@ -236,9 +236,7 @@ void Navigator::begin_trouble(Trouble trouble, StopReason reason, double side, T
 
 RecoveryView Navigator::recovery_view(TimeNs now) {
   behind_.gather(floor_.states(), base_.T_world_base, &floor_);
-  const ArcView view = behind_.look(0.0, kBehind_m, true);
-  const bool is_own_way = !view.is_doubtful && view.trusted_m > view.clear_m;
-  free_behind_m_ = is_own_way ? std::max(view.free_m, view.trusted_m) : view.free_m;
+  free_behind_m_ = behind_.look(0.0, kBehind_m, true, true).free_m;
   return {now, base_.T_world_base, free_behind_m_, base_.bumper != 0};
 }
 

@@ -117,21 +117,19 @@ TEST_CASE("An occupied cell is a square, and where nothing else is left what the
   Ground ground = free_floor();
   // A gap of 35 cm between squares, of 40 cm between middles.
   ground.at(ground.cell_of(0.425, 0.22)) = ground.at(ground.cell_of(0.425, -0.18)) = CellState::occupied;
-  const auto look = [&](nav::Extent what) {
+  const auto clear_m = [&](nav::Extent what, bool trusting) {
     knows.what = what;
     nav::ArcCheck check(kRadius_m, kMargin_m, 0.6, ground.resolution_m);
     check.gather(ground, {0.0, 0.025, 0.0}, &knows);
-    return check.look(0.0, 0.6);
+    return check.look(0.0, 0.6, false, trusting).clear_m;
   };
-  CHECK(look(nav::Extent::square).clear_m < 0.42);
-  CHECK(look(nav::Extent::square).trusted_m == look(nav::Extent::square).clear_m);
-  CHECK(look(nav::Extent::middle).clear_m == look(nav::Extent::square).clear_m);
-  CHECK(look(nav::Extent::middle).free_m <= look(nav::Extent::middle).clear_m);
-  CHECK(look(nav::Extent::middle).trusted_m >= 0.6);
+  CHECK(clear_m(nav::Extent::square, true) < 0.42);
+  CHECK(clear_m(nav::Extent::middle, false) == clear_m(nav::Extent::square, true));
+  CHECK(clear_m(nav::Extent::middle, true) >= 0.6);
   ground.at(ground.cell_of(0.425, 0.02)) = CellState::occupied;
-  CHECK(look(nav::Extent::middle).trusted_m < 0.3);
-  CHECK(look(nav::Extent::nothing).clear_m < 0.3);
-  CHECK(look(nav::Extent::nothing).trusted_m >= 0.6);
+  CHECK(clear_m(nav::Extent::middle, true) < 0.3);
+  CHECK(clear_m(nav::Extent::nothing, false) < 0.3);
+  CHECK(clear_m(nav::Extent::nothing, true) >= 0.6);
 }
 
 TEST_CASE("What lies outside of the grid is unknown") {
