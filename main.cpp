@@ -24,6 +24,7 @@ constexpr const char* kSimExamples = R"(
 Examples:
   g3dmap sim --out out                                     a flight through the built-in furnished room
   g3dmap sim --drift 1 --odometry aligned --out out        the same flight with odometry that drifts, corrected
+  g3dmap sim --world corridor --laps 2 --drift 1 --odometry aligned --loops --out out
   g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
   g3dmap sim --world house --robots 1 --drift 1 --odometry aligned --out out
@@ -118,6 +119,8 @@ void add_odometry_options(CLI::App& command, MappingOptions& options) {
       .add_option("--motion", options.motion,
                   "How the camera may move when it is aligned: planar on a robot, free in a hand")
       ->check(CLI::IsMember({"planar", "free"}));
+  command.add_flag("--loops", options.loops,
+                   "Recognise places that are seen again and correct the whole map by them; needs --odometry aligned");
 }
 
 void add_live_options(CLI::App& command, LiveOptions& live) {

@@ -33,6 +33,7 @@ struct MappingOptions {
   double rate = 0.0;                  ///< 0: lockstep
   std::string odometry = "given";     ///< given, aligned or none
   std::optional<std::string> motion;  ///< planar or free; none: as the command has it
+  bool loops = false;                 ///< correct the whole map where a place is recognised
   bool no_colour = false;
   bool quiet = false;
   bool json = false;

@@ -70,6 +70,7 @@ std::string contradiction(const SimOptions& options) {
   }
   if (!mapping.mask_path.empty()) return "--mask does not go with --robots yet; leave it out";
   if (mapping.odometry == "none") return "--odometry none: a robot's base measures motion; take given or aligned";
+  if (mapping.loops) return "--loops is for recordings and flights, not for --robots yet; leave it out";
   if (mapping.motion == "free") return "--motion free is for hand-held cameras, not for --robots";
   if (!mapping.footprint.empty()) return "--footprint: robots take their own from the board; leave it out";
   return {};

@@ -32,6 +32,7 @@
 #include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
 #include "mapper/scan_mask.hpp"
+#include "mapper/submaps/looped_map.hpp"
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
 #include "nav/outputs.hpp"
@@ -138,11 +139,33 @@ std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
 
 }  // namespace
 
+std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options) {
+  if (!options.loops) return std::nullopt;
+  if (options.odometry == "given") return "--loops corrects poses that are aligned; add --odometry aligned";
+  const char* other = options.checkpoint_s > 0.0        ? "--checkpoint"
+                      : board.map_window_radius_m > 0.0 ? "--window"
+                      : options.mapper == "cuda"        ? "--mapper cuda"
+                                                        : nullptr;
+  if (other == nullptr) return std::nullopt;
+  return fmt::format("--loops moves the whole map at once, so it does not go with {}; leave one of them out", other);
+}
+
+/// Frames were written as they were mapped; where they were is known better at the end.
+hal::Result<void> correct_trajectory(const std::string& path, const mapper::submaps::LoopedMap& looped) {
+  auto poses = hal::read_trajectory(path);
+  if (!poses) return poses.error();
+  for (hal::StampedPose& pose : poses.value()) {
+    pose.T_world_camera = looped.corrected(pose.stamp_ns, pose.T_world_camera);
+  }
+  return hal::write_trajectory(path, poses.value());
+}
+
 int map_source(Source source, const board::Board& board, const MappingOptions& options,
                const std::string& command_line) {
   if (options.checkpoint_s > 0.0 && board.map_window_radius_m > 0.0) {
     return bad_usage("--checkpoint saves what is in memory, so it does not go with --window; give one of them");
   }
+  if (const auto problem = loops_problem(board, options)) return bad_usage(*problem);
   if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
   const std::string trajectory_path = options.out_dir + "/trajectory.tum";
   auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
@@ -155,13 +178,19 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
     mask = std::move(loaded).value();
   }
 
-  const mapper::MapperConfig config = mapper_config(board, options);
+  mapper::MapperConfig config = mapper_config(board, options);
+  if (options.loops) config.backend = mapper::Backend::cpu;
   if (const auto problem = mapper::config_problem(config, source.camera.model())) return fail(*problem);
   mapper::Mapper mapper(config, source.camera.model(), mask);
   if (const auto missing = missing_card(mapper, options)) return fail(*missing);
   hal::RealClock clock;
   std::unique_ptr<mapper::align::Aligner> aligner;
-  if (const auto align = align_options(options)) {
+  std::unique_ptr<mapper::submaps::LoopedMap> looped;
+  if (const auto align = align_options(options); align && options.loops) {
+    mapper::submaps::LoopedOptions looped_options;
+    looped_options.align = *align;
+    looped = std::make_unique<mapper::submaps::LoopedMap>(mapper.map(), source.camera.model(), looped_options);
+  } else if (align) {
     aligner = std::make_unique<mapper::align::Aligner>(*align, source.camera.model());
   }
   const std::string odometry_path = options.out_dir + "/odometry.tum";
@@ -178,9 +207,12 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   const std::unique_ptr<mapper::RollingWindow> window = std::move(made_window).value();
   const auto footprint = start_footprint(board, options);
   if (!footprint) return bad_usage(footprint.error().text);
-  mapper::Pipeline pipeline(
-      source.camera, source.poses, mapper, sink, clock,
-      {.rate = options.rate, .window = window.get(), .footprint = footprint.value(), .aligner = aligner.get()});
+  mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock,
+                            {.rate = options.rate,
+                             .window = window.get(),
+                             .footprint = footprint.value(),
+                             .aligner = aligner.get(),
+                             .looped = looped.get()});
   catch_stop_signals(pipeline);
   std::unique_ptr<mapper::Checkpoint> checkpoint;
   if (options.checkpoint_s > 0.0) {
@@ -197,6 +229,11 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
 
   std::vector<hal::Error> failures;
   if (const auto finished = sink.finish(); !finished) failures.push_back(finished.error());
+  if (looped != nullptr) {
+    if (const auto corrected = correct_trajectory(trajectory_path, *looped); !corrected) {
+      failures.push_back(corrected.error());
+    }
+  }
   const std::uint64_t memory_bytes = mapper.map().memory().used_bytes;
   std::optional<mapper::PagingReport> paging;
   std::unique_ptr<mapper::BlockSource> whole = std::make_unique<mapper::MemoryBlocks>(mapper.map());
@@ -214,7 +251,8 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   report.memory_bytes = memory_bytes;
   report.paging = paging;
   report_mapper(mapper, report);
-  report_alignment(aligner.get(), options, report);
+  report_alignment(looped != nullptr ? &looped->aligner() : aligner.get(), options, report);
+  if (looped != nullptr) report.loops = looped->report();
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
   if (window != nullptr && !window->first_error().empty()) report.notes.push_back(window->first_error());
   if (!is_all_in_memory) {

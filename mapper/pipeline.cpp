@@ -8,6 +8,7 @@
 
 #include "mapper/align/aligner.hpp"
 #include "mapper/rolling_window.hpp"
+#include "mapper/submaps/looped_map.hpp"
 
 namespace g3d::mapper {
 namespace {
@@ -36,6 +37,8 @@ const char* to_string(Stage stage) {
       return "integrate";
     case Stage::write:
       return "write";
+    case Stage::loops:
+      return "loops";
     case Stage::end_to_end:
       return "end_to_end";
     case Stage::count_:
@@ -183,24 +186,35 @@ void Pipeline::mapper_loop() {
     pool_.release(message.posed.frame_index);
     camera_parking_.wake();
   }
+  if (config_.looped != nullptr) (void)config_.looped->finish();
 }
 
 void Pipeline::integrate(const PosedMessage& message) {
   const hal::Frame& frame = pool_[message.posed.frame_index];
   const hal::TimeNs start_ns = clock_.now();
   MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, message.T_odometry_camera, {}};
+  if (config_.looped != nullptr) {
+    mapped.T_world_camera = config_.looped->align(frame, message.T_odometry_camera).T_world_camera;
+    add_time(Stage::align, start_ns);
+  }
   if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
   if (config_.footprint && !std::exchange(footprint_freed_, true)) {
     const hal::Pose T_world_base = hal::compose(mapped.T_world_camera, hal::inverse(config_.footprint->T_base_camera));
     mapper_.free_footprint(T_world_base.translation_m, config_.footprint->radius_m, config_.footprint->height_m);
   }
+  const hal::TimeNs integrate_start_ns = config_.looped != nullptr ? clock_.now() : start_ns;
   mapped.report = mapper_.integrate(frame, mapped.T_world_camera);
   if (mapped.report.status == FrameStatus::out_of_range) {
     drop(hal::DropReason::out_of_range);
     return;
   }
-  add_time(Stage::integrate, start_ns);
+  add_time(Stage::integrate, integrate_start_ns);
   add_time(Stage::end_to_end, read_at_ns_[message.posed.frame_index]);
+  if (config_.looped != nullptr) {
+    const hal::TimeNs loops_start_ns = clock_.now();
+    (void)config_.looped->add(frame, mapper_.changed_slots());
+    add_time(Stage::loops, loops_start_ns);
+  }
   integrated_.fetch_add(1, std::memory_order_relaxed);
   if (mapped.report.status == FrameStatus::pool_full) ++pool_full_frames_;
   refused_blocks_ += mapped.report.refused_blocks;

@@ -33,6 +33,9 @@ class RollingWindow;
 namespace align {
 class Aligner;
 }
+namespace submaps {
+class LoopedMap;
+}
 
 /// One frame that is in the map now.
 struct MappedFrame {
@@ -71,6 +74,8 @@ struct PipelineConfig {
   RollingWindow* window = nullptr;  ///< if the map may be larger than memory; its lockstep must be ours
   std::optional<StartFootprint> footprint = std::nullopt;
   align::Aligner* aligner = nullptr;  ///< corrects every pose before its frame is integrated, in the pose thread
+  /// Instead of an aligner: the same in the mapper's thread, and the whole map is corrected now and then. Allocates.
+  submaps::LoopedMap* looped = nullptr;
 };
 
 enum class Stage : std::uint8_t {
@@ -78,6 +83,7 @@ enum class Stage : std::uint8_t {
   pose,        ///< stamp -> pose
   align,       ///< pose -> pose that fits what was seen before
   integrate,   ///< posed frame -> map updated
+  loops,       ///< submaps, and what is seen again
   write,       ///< the sink
   end_to_end,  ///< frame complete -> map updated, waiting included
   count_,

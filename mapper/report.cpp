@@ -62,6 +62,18 @@ void write_alignment(JsonWriter& json, const AlignmentReport& alignment) {
   json.end_object();
 }
 
+void write_loops(JsonWriter& json, const submaps::CloserReport& loops) {
+  json.key("loops").begin_object();
+  json.member("submaps", loops.submaps).member("edges", loops.edges).member("loops", loops.loops);
+  json.member("alone", loops.alone).member("disbelieved", loops.disbelieved);
+  json.key("candidates").begin_object();
+  json.member("tried", loops.finder.tried).member("refused", loops.finder.refused);
+  json.member("not_found_again", loops.finder.not_again).member("found", loops.finder.found).end_object();
+  json.member("corrections", loops.corrections).member("correction_max_m", rounded_um(loops.largest_move_m));
+  json.member("memory_bytes", loops.memory_bytes).member("refused_blocks", loops.refused_blocks);
+  json.end_object();
+}
+
 }  // namespace
 
 std::uint64_t FrameCounts::dropped_total() const {
@@ -80,6 +92,7 @@ std::string to_json(const RunReport& report) {
   if (report.paging) write_paging(json, *report.paging);
   json.end_object();
   if (report.alignment) write_alignment(json, *report.alignment);
+  if (report.loops) write_loops(json, *report.loops);
   if (report.write_more) report.write_more(json);
   json.key("run").begin_object().member("command", report.command).member("version", report.version);
   json.member("seed", report.seed).member("threads", report.threads).member("board", report.board);

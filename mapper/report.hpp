@@ -15,6 +15,7 @@
 #include "mapper/align/align_report.hpp"
 #include "mapper/align/motion_prior.hpp"
 #include "mapper/stage_times.hpp"
+#include "mapper/submaps/loop_report.hpp"
 
 namespace g3d::mapper {
 
@@ -71,7 +72,8 @@ struct RunReport {
   std::uint64_t file_bytes = 0;  ///< of map.g3d
   std::string hash;
 
-  std::optional<AlignmentReport> alignment;  ///< none: the poses were taken as given
+  std::optional<AlignmentReport> alignment;    ///< none: the poses were taken as given
+  std::optional<submaps::CloserReport> loops;  ///< none: nobody looked for them
 
   // the run
   std::string command;

@@ -152,7 +152,7 @@ void SubmapChain::rebuild() {
   }
   for (const BlockKey key : keys) {
     if (read_block(key, values)) {
-      (void)view_.write_block(key, values);
+      refused_blocks_ += view_.write_block(key, values) ? 0 : 1;
     } else {
       view_.erase_block(key);
     }

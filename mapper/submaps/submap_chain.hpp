@@ -75,6 +75,8 @@ class SubmapChain {
   /// By how much a frame's pose is to be corrected that was mapped at that time.
   [[nodiscard]] hal::Pose correction_at(hal::TimeNs stamp_ns) const;
   [[nodiscard]] std::uint64_t memory_bytes() const;
+  /// Blocks for which the view had no memory when it was made anew, all times together.
+  [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
 
  private:
   void sample_anew(std::size_t submap);
@@ -101,6 +103,7 @@ class SubmapChain {
   double turn_rad_ = 0.0;
   double held_s_ = 0.0;
   hal::TimeNs last_ns_ = 0;
+  std::uint64_t refused_blocks_ = 0;
   double way_at_end_m_ = 0.0;  ///< when the last submap was finished
   double turn_at_end_rad_ = 0.0;
 };

@@ -57,6 +57,17 @@ TEST_CASE("a flight whose odometry drifts is corrected, and both ways are kept",
   CHECK(trajectory_error(way_in(aligned + "/trajectory.tum"), way_in(again + "/trajectory.tum")).ate_m == 0.0);
 }
 
+TEST_CASE("where nothing is seen again, looking for it changes neither map nor way", "[system][align]") {
+  const TempFolder folder;
+  const std::string plain = fly(folder, "plain", {"--drift", "1", "--odometry", "aligned"});
+  const std::string looped = fly(folder, "looped", {"--drift", "1", "--odometry", "aligned", "--loops"});
+  CHECK(report_text(plain + "/report.json", "hash") == report_text(looped + "/report.json", "hash"));
+  CHECK(trajectory_error(way_in(plain + "/trajectory.tum"), way_in(looped + "/trajectory.tum")).ate_m == 0.0);
+  CHECK(report_number(looped + "/report.json", "submaps") >= 1);
+  CHECK(report_number(looped + "/report.json", "corrections") == 0);
+  CHECK(report_number(looped + "/report.json", "refused_blocks") == 0);
+}
+
 TEST_CASE("poses of a recording drift by seed, and files that are none are refused by name", "[system][align]") {
   const TempFolder folder;
   const std::string log = folder / "log";

@@ -184,6 +184,7 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
       {{"--area", "0,0,1,1"}, "--robots 1"},
       {{"--robots", "1", "--odometry", "none"}, "--odometry none"},
       {{"--robots", "1", "--motion", "free"}, "--motion free"},
+      {{"--robots", "1", "--odometry", "aligned", "--loops"}, "--loops is for recordings and flights"},
       {{"--camera", "160x120@10"}, "--robots 1"},
       {{"--at", "1:pause"}, "--robots 1"},
       {{"--fail", "line:off"}, "--robots 1"},
@@ -196,6 +197,25 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
   const TempFolder folder;
   for (const auto& [extra, named] : cases) {
     std::vector<std::string> arguments{"sim", "--world", "maze", "--quiet", "--out", folder / "out"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    const ProgramResult result = run_g3dmap(arguments);
+    INFO(extra.back() << ": " << result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(contains(result.err, named));
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+  }
+}
+
+TEST_CASE("what does not go with correcting the whole map is refused, and nothing is made", "[system][usage]") {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--loops"}, "add --odometry aligned"},
+      {{"--odometry", "aligned", "--loops", "--window", "5"}, "does not go with --window"},
+      {{"--odometry", "aligned", "--loops", "--checkpoint", "5"}, "does not go with --checkpoint"},
+      {{"--odometry", "aligned", "--loops", "--mapper", "cuda"}, "does not go with --mapper cuda"},
+  };
+  const TempFolder folder;
+  for (const auto& [extra, named] : cases) {
+    std::vector<std::string> arguments{"sim", "--quiet", "--out", folder / "out"};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     const ProgramResult result = run_g3dmap(arguments);
     INFO(extra.back() << ": " << result.err);

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/submaps/loop_closer.hpp"
+
+#include <algorithm>
+
+#include "mapper/align/pose_step.hpp"
+
+namespace g3d::mapper::submaps {
+namespace {
+
+constexpr double kBelieved = 0.5;
+
+std::uint32_t apart(std::uint32_t a, std::uint32_t b) { return std::max(a, b) - std::min(a, b); }
+
+}  // namespace
+
+void LoopCloser::add_way(const SubmapChain& chain) {
+  const auto submaps = chain.submaps();
+  const Submap& newest = submaps.back();
+  const std::size_t before = graph_.nodes().size();
+  if (before == 0) {
+    graph_.add_node(newest.T_world_anchor());
+    return;
+  }
+  const hal::Pose step = hal::compose(hal::inverse(submaps[before - 1].T_world_anchor()), newest.T_world_anchor());
+  const std::uint32_t node = graph_.add_node(hal::compose(graph_.nodes()[before - 1], step));
+  const WayNoise& noise = options_.way;
+  EdgeSigma sigma;
+  sigma.floor_m = noise.shift_m + noise.shift_per_m * newest.way_m + noise.shift_m_per_held_s * newest.held_s;
+  sigma.heading_rad = noise.turn_rad + noise.turn_per_rad * newest.turn_rad + noise.turn_rad_per_held_s * newest.held_s;
+  graph_.add_edge({node - 1, node, step, information_of(sigma), false});
+}
+
+// Around the cycle of two loops and the two pieces of way between their ends one comes back to where one started.
+bool LoopCloser::speaks_for(const Loop& a, const Loop& b) const {
+  if (a.to == b.to || apart(a.to, b.to) > options_.most_submaps_apart ||
+      apart(a.from, b.from) > options_.most_submaps_apart) {
+    return false;
+  }
+  const auto nodes = graph_.nodes();
+  const hal::Pose T_from = hal::compose(hal::inverse(nodes[b.from]), nodes[a.from]);
+  const hal::Pose T_to = hal::compose(hal::inverse(nodes[a.to]), nodes[b.to]);
+  const hal::Pose expected = hal::compose(hal::compose(T_from, a.T_from_to), T_to);
+  const align::Vector6 off = align::difference(expected, b.T_from_to);
+  return align::shift_of(off) <= options_.most_off_m && align::turn_of(off) <= options_.most_off_rad;
+}
+
+void LoopCloser::add_to_graph(const Loop& loop) {
+  EdgeSigma sigma;
+  sigma.floor_m = options_.loop_sigma_m;
+  sigma.heading_rad = options_.loop_sigma_rad;
+  graph_.add_edge({loop.from, loop.to, loop.T_from_to, information_of(sigma), true});
+  known_.push_back(loop);
+}
+
+bool LoopCloser::add_submap(const SubmapChain& chain) {
+  add_way(chain);
+  bool is_news = false;
+  for (const Loop& loop : finder_.find(chain)) {
+    const auto speaks = [&](const Loop& other) { return speaks_for(other, loop); };
+    const auto first = std::partition(alone_.begin(), alone_.end(), [&](const Loop& other) { return !speaks(other); });
+    const bool is_backed = first != alone_.end() || std::any_of(known_.begin(), known_.end(), speaks);
+    if (!is_backed) {
+      alone_.push_back(loop);
+      continue;
+    }
+    for (auto other = first; other != alone_.end(); ++other) add_to_graph(*other);
+    alone_.erase(first, alone_.end());
+    add_to_graph(loop);
+    is_news = true;
+  }
+  if (!is_news || !graph_.optimise().solved) return false;
+
+  const auto submaps = chain.submaps();
+  T_world_stored_.clear();
+  double move_m = 0.0;
+  double turn_rad = 0.0;
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    const align::Vector6 off = align::difference(submaps[i].T_world_anchor(), graph_.nodes()[i]);
+    move_m = std::max(move_m, align::shift_of(off));
+    turn_rad = std::max(turn_rad, align::turn_of(off));
+    T_world_stored_.push_back(hal::compose(graph_.nodes()[i], hal::inverse(submaps[i].T_stored_anchor)));
+  }
+  if (move_m < options_.least_move_m && turn_rad < options_.least_turn_rad) return false;
+  ++corrections_;
+  largest_move_m_ = std::max(largest_move_m_, move_m);
+  return true;
+}
+
+CloserReport LoopCloser::report() const {
+  CloserReport report;
+  report.finder = finder_.report();
+  report.submaps = graph_.nodes().size();
+  report.edges = graph_.edges().size();
+  report.loops = known_.size();
+  report.alone = alone_.size();
+  for (const GraphEdge& edge : graph_.edges()) {
+    report.disbelieved += edge.is_loop && graph_.belief_in(edge) < kBelieved ? 1 : 0;
+  }
+  report.corrections = corrections_;
+  report.largest_move_m = largest_move_m_;
+  return report;
+}
+
+}  // namespace g3d::mapper::submaps

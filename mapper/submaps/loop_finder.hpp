@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places that a robot sees again: what the newest submap and the one before have shown is fitted to what was shown
+// around an older one, starting from where the graph has both. A fit counts only if it is found again with less to go
+// by: the newest submap alone, fitted to fewer of the old ones, has to stand at the same place. Thread: one. Allocates.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mapper/align/map_aligner.hpp"
+#include "mapper/submaps/loop_report.hpp"
+#include "mapper/submaps/submap_chain.hpp"
+
+namespace g3d::mapper::submaps {
+
+struct FinderOptions {
+  std::size_t least_age = 4;        ///< submaps between: what is younger is aligned to frame by frame
+  double most_distance_m = 5.0;     ///< between the anchors, as far as is known
+  std::size_t most_candidates = 2;  ///< for each submap
+  double reach_m = 1.0;             ///< how far off the graph may be
+  double reach_rad = 0.25;
+  double most_apart_m = 0.06;  ///< between the two fits
+  double most_apart_rad = 0.015;
+};
+
+struct Loop {
+  std::uint32_t from = 0;  ///< submaps
+  std::uint32_t to = 0;
+  hal::Pose T_from_to;  ///< of their anchors
+  double overlap = 0.0;
+};
+
+class LoopFinder {
+ public:
+  explicit LoopFinder(const FinderOptions& options = {}) : options_(options) {}
+
+  /// Of the newest submap.
+  [[nodiscard]] std::vector<Loop> find(const SubmapChain& chain);
+  [[nodiscard]] const FinderReport& report() const { return report_; }
+
+ private:
+  [[nodiscard]] std::vector<std::uint32_t> candidates(const SubmapChain& chain) const;
+
+  FinderOptions options_;
+  FinderReport report_;
+};
+
+}  // namespace g3d::mapper::submaps

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/submaps/looped_map.hpp"
+
+#include <algorithm>
+
+namespace g3d::mapper::submaps {
+
+LoopedMap::LoopedMap(VoxelMap& view, const hal::CameraModel& camera, const LoopedOptions& options)
+    : aligner_(options.align, camera), sketch_(camera), chain_(view, options.chain), closer_(options.closer) {}
+
+const align::AlignResult& LoopedMap::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera,
+                                           const align::SeenSpace* space) {
+  last_ = aligner_.align(frame, T_odometry_camera, space);
+  return last_;
+}
+
+bool LoopedMap::add(const hal::Frame& frame, std::span<const std::uint32_t> changed_slots) {
+  sketch_.add(frame, last_.T_world_camera);
+  const bool is_held = !align::is_corrected(last_.outcome) || last_.holds_shift || last_.holds_turn;
+  const bool is_due =
+      chain_.add_frame(frame.stamp_ns, last_.T_world_camera, changed_slots, aligner_.samples(), is_held);
+  return is_due && finish_submap();
+}
+
+CloserReport LoopedMap::report() const {
+  CloserReport report = closer_.report();
+  report.memory_bytes = chain_.memory_bytes();
+  report.refused_blocks = chain_.refused_blocks();
+  return report;
+}
+
+bool LoopedMap::finish() { return finish_submap(); }
+
+bool LoopedMap::finish_submap() {
+  if (!chain_.finish_submap(sketch_.take()) || !closer_.add_submap(chain_)) return false;
+  const auto submaps = chain_.submaps();
+  std::vector<hal::Pose> moves;
+  std::vector<hal::TimeNs> begins_ns;
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    moves.push_back(hal::compose(closer_.T_world_stored()[i], hal::inverse(submaps[i].T_world_stored)));
+    begins_ns.push_back(submaps[i].first_ns);
+  }
+  chain_.place(closer_.T_world_stored());
+  chain_.rebuild();
+  aligner_.correct(moves.back(), [&](hal::TimeNs born_ns) {
+    const auto after = std::upper_bound(begins_ns.begin(), begins_ns.end(), born_ns);
+    return after == begins_ns.begin() ? hal::Pose{} : moves[static_cast<std::size_t>(after - begins_ns.begin()) - 1];
+  });
+  return true;
+}
+
+}  // namespace g3d::mapper::submaps

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapper/submaps/looped_map.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "mapper/map_hash.hpp"
+#include "mapper/mapper.hpp"
+#include "tests/support/looped_drive.hpp"
+#include "tests/support/trajectory_error.hpp"
+
+using namespace g3d;
+using namespace g3d::mapper;
+using namespace g3d::mapper::submaps;
+
+namespace {
+
+struct Run {
+  std::unique_ptr<Mapper> mapper;
+  std::vector<hal::StampedPose> live;
+  std::vector<hal::StampedPose> corrected;
+  CloserReport report;
+  int corrections = 0;
+};
+
+Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const LoopedOptions& options) {
+  const std::vector<hal::StampedPose> odometry = hal::drifted(twice.truth(), drift);
+  MapperConfig config;
+  config.with_colour = false;
+  config.capacity = {1U << 15, 1U << 14, 1U << 15};
+  Run r{std::make_unique<Mapper>(config, twice.work.camera), {}, {}, {}, 0};
+  LoopedMap looped(r.mapper->map(), twice.work.camera, options);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    const hal::Frame& frame = twice.work.frames[i].frame;
+    const hal::Pose pose = looped.align(frame, odometry[i].T_world_camera).T_world_camera;
+    (void)r.mapper->integrate(frame, pose);
+    r.live.push_back({frame.stamp_ns, pose});
+    r.corrections += looped.add(frame, r.mapper->changed_slots()) ? 1 : 0;
+  }
+  r.corrections += looped.finish() ? 1 : 0;
+  for (const hal::StampedPose& pose : r.live) {
+    r.corrected.push_back({pose.stamp_ns, looped.corrected(pose.stamp_ns, pose.T_world_camera)});
+  }
+  r.report = looped.report();
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("a corridor that is gone round twice is put right by its loops, and the same way each time", "[slow]") {
+  const test::DriveTwice twice = test::twice_through("corridor", 300);
+  const Run a = run(twice, hal::robot_drift(2), {});
+  CHECK(a.report.loops >= 2);
+  CHECK(a.report.refused_blocks == 0);
+  CHECK(a.report.memory_bytes > 0);
+  REQUIRE(a.corrections > 0);
+  CHECK(static_cast<std::uint64_t>(a.corrections) == a.report.corrections);
+  const double live_m = test::trajectory_error(twice.truth(), a.live).ate_m;
+  const double corrected_m = test::trajectory_error(twice.truth(), a.corrected).ate_m;
+  CHECK(corrected_m < 0.6 * live_m);
+  const Run b = run(twice, hal::robot_drift(2), {});
+  CHECK(map_hash(a.mapper->map()) == map_hash(b.mapper->map()));
+}
+
+TEST_CASE("a map that is right is left as it is", "[slow]") {
+  const test::DriveTwice twice = test::twice_through_a_room();
+  LoopedOptions options;
+  options.align.least_matched = 2.0;  // no frame ever matches so much: poses are odometry's
+  const Run r = run(twice, hal::robot_drift(1, 0.0), options);
+  CHECK(r.report.loops >= 2);
+  CHECK(r.corrections == 0);
+  for (std::size_t i = 0; i < r.live.size(); ++i) {
+    REQUIRE(r.live[i].T_world_camera.translation_m == r.corrected[i].T_world_camera.translation_m);
+  }
+}
