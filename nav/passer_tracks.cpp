@@ -92,6 +92,8 @@ void PasserTracks::follow(Track& track, const Sight& sight, hal::TimeNs now) con
   track.ends_ns = after(now, config_.walks_on_s);
   track.is_in_view = true;
   track.has_walked = track.has_walked || is_walking(track);
+  const double walked_m = std::hypot(track.x_m - track.first_x_m, track.y_m - track.first_y_m);
+  track.is_sure = track.is_sure || (track.has_walked && walked_m >= config_.surely_walked_m);
 }
 
 bool PasserTracks::is_walking(const Track& track) const {
@@ -145,7 +147,8 @@ void PasserTracks::look(const DepthScan& scan, const Rays& is_somebody, const Ra
     if (Track* track = nearest(sights[i], false, now)) {
       follow(*track, sights[i], now);
     } else {
-      oldest() = {sights[i].x_m, sights[i].y_m, 0.0, 0.0, now, now, after(now, config_.walks_on_s), true, false};
+      oldest() = {sights[i].x_m, sights[i].y_m, 0.0,           0.0,          now, now, after(now, config_.walks_on_s),
+                  true,          false,         sights[i].x_m, sights[i].y_m};
     }
   }
   count = gather(scan, came_lately, pose, sights);
@@ -182,7 +185,7 @@ bool PasserTracks::may_come(double x_m, double y_m, hal::TimeNs now) const {
 bool PasserTracks::may_have_come(double x_m, double y_m, hal::TimeNs now) const {
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
     const double s = seconds_between(track.seen_ns, now);
-    return track.has_walked && s > 0.0 && s < config_.about_s &&
+    return track.is_sure && s > 0.0 && s < config_.about_s &&
            std::hypot(x_m - track.x_m, y_m - track.y_m) <= config_.radius_m + s * config_.roams_mps;
   });
 }

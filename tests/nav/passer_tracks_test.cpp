@@ -217,6 +217,18 @@ TEST_CASE("Who has walked may be anywhere that he could have reached, but where 
   CHECK_FALSE(walk.may_have_come(1.0, 0.1, 20.0));  // long gone
 }
 
+TEST_CASE("What has hardly moved is nobody who may be anywhere") {
+  Walk slides;
+  slides.look_until(0.6);
+  slides.look(0.7, false, {0.0, 0.0, 2.4});
+  const bool is_known = slides.may_have_come(1.0, -1.0, 5.0);
+  Walk walks;
+  walks.look_until(2.0);
+  walks.look(2.1, false, {0.0, 0.0, 2.4});
+  CHECK_FALSE(is_known);
+  CHECK(walks.may_have_come(1.0, -1.0, 5.0));
+}
+
 TEST_CASE("Nobody is expected where nobody has walked, nor farther off than anybody walks", "[nav][passers]") {
   Walk nobody;
   for (double t_s = 0.1; t_s < 1.0; t_s += 0.1) nobody.look(t_s, false);
