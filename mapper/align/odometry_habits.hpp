@@ -17,13 +17,13 @@ class OdometryHabits {
   void learn(const Vector6& correction, const std::array<double, 3>& way_m, double time_s, bool holds_shift,
              bool holds_turn);
 
-  /// Of the heading, to be added.
-  [[nodiscard]] double turn_radps() const { return turn_radps_; }
-  /// Of the way: its true length is so much longer, as a fraction.
-  [[nodiscard]] double stretch() const { return stretch_; }
+  /// Of the heading, to be added. 0 while it is so little that alignment itself may have made it up.
+  [[nodiscard]] double turn_radps() const;
+  /// Of the way: its true length is so much longer, as a fraction. 0 likewise.
+  [[nodiscard]] double stretch() const;
 
  private:
-  double turn_radps_ = 0.0;
+  double turn_radps_ = 0.0;  ///< as estimated
   double turn_time_s_ = 0.0;
   double stretch_ = 0.0;
   double way_m_ = 0.0;

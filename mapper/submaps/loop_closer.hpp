@@ -32,8 +32,8 @@ struct CloserOptions {
   std::uint32_t most_submaps_apart = 6;  ///< between two loops that speak for each other
   double most_off_m = 0.08;              ///< of their cycle
   double most_off_rad = 0.03;
-  double least_move_m = 0.01;  ///< of any submap; else the view is left as it is
-  double least_turn_rad = 0.003;
+  double least_move_m = 0.05;  ///< of any submap; else the view is left as it is
+  double least_turn_rad = 0.015;
 };
 
 class LoopCloser {

@@ -63,6 +63,12 @@ TEST_CASE("odometry that is exact, or errs to either side, has no habits") {
   noisy.walk_rad = 0.0087 * std::sqrt(kStep_s);  // half a degree per root second
   noisy.on(120.0);
   CHECK(std::abs(noisy.habits.turn_radps()) < 0.003);
+  Drive little;
+  little.turn_radps = 0.0009;
+  little.stretch = 0.0035;
+  little.on(120.0);
+  CHECK(little.habits.turn_radps() == 0.0);
+  CHECK(little.habits.stretch() == 0.0);
 }
 
 TEST_CASE("what the scene does not fix teaches nothing, and what is learnt stays believable") {
