@@ -137,8 +137,6 @@ std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
   return note;
 }
 
-}  // namespace
-
 std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options) {
   if (!options.loops) return std::nullopt;
   if (options.odometry == "given") return "--loops corrects poses that are aligned; add --odometry aligned";
@@ -159,6 +157,8 @@ hal::Result<void> correct_trajectory(const std::string& path, const mapper::subm
   }
   return hal::write_trajectory(path, poses.value());
 }
+
+}  // namespace
 
 int map_source(Source source, const board::Board& board, const MappingOptions& options,
                const std::string& command_line) {

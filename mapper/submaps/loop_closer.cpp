@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kBelieved = 0.5;
 
-std::uint32_t apart(std::uint32_t a, std::uint32_t b) { return std::max(a, b) - std::min(a, b); }
-
 }  // namespace
 
 void LoopCloser::add_way(const SubmapChain& chain) {
@@ -33,8 +31,8 @@ void LoopCloser::add_way(const SubmapChain& chain) {
 
 // Around the cycle of two loops and the two pieces of way between their ends one comes back to where one started.
 bool LoopCloser::speaks_for(const Loop& a, const Loop& b) const {
-  if (a.to == b.to || apart(a.to, b.to) > options_.most_submaps_apart ||
-      apart(a.from, b.from) > options_.most_submaps_apart) {
+  if (a.to == b.to || submaps_apart(a.to, b.to) > options_.most_submaps_apart ||
+      submaps_apart(a.from, b.from) > options_.most_submaps_apart) {
     return false;
   }
   const auto nodes = graph_.nodes();
@@ -50,7 +48,6 @@ void LoopCloser::add_to_graph(const Loop& loop) {
   sigma.floor_m = options_.loop_sigma_m;
   sigma.heading_rad = options_.loop_sigma_rad;
   graph_.add_edge({loop.from, loop.to, loop.T_from_to, information_of(sigma), true});
-  known_.push_back(loop);
 }
 
 bool LoopCloser::add_submap(const SubmapChain& chain) {
@@ -59,7 +56,10 @@ bool LoopCloser::add_submap(const SubmapChain& chain) {
   for (const Loop& loop : finder_.find(chain)) {
     const auto speaks = [&](const Loop& other) { return speaks_for(other, loop); };
     const auto first = std::partition(alone_.begin(), alone_.end(), [&](const Loop& other) { return !speaks(other); });
-    const bool is_backed = first != alone_.end() || std::any_of(known_.begin(), known_.end(), speaks);
+    const auto edges = graph_.edges();
+    const bool is_backed = first != alone_.end() || std::any_of(edges.begin(), edges.end(), [&](const GraphEdge& edge) {
+                             return edge.is_loop && speaks({edge.from, edge.to, edge.T_from_to});
+                           });
     if (!is_backed) {
       alone_.push_back(loop);
       continue;
@@ -92,9 +92,9 @@ CloserReport LoopCloser::report() const {
   report.finder = finder_.report();
   report.submaps = graph_.nodes().size();
   report.edges = graph_.edges().size();
-  report.loops = known_.size();
   report.alone = alone_.size();
   for (const GraphEdge& edge : graph_.edges()) {
+    report.loops += edge.is_loop ? 1 : 0;
     report.disbelieved += edge.is_loop && graph_.belief_in(edge) < kBelieved ? 1 : 0;
   }
   report.corrections = corrections_;

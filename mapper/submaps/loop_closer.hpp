@@ -57,7 +57,6 @@ class LoopCloser {
   LoopFinder finder_;
   PoseGraph graph_;
   std::vector<Loop> alone_;
-  std::vector<Loop> known_;
   std::vector<hal::Pose> T_world_stored_;
   std::uint64_t corrections_ = 0;
   double largest_move_m_ = 0.0;

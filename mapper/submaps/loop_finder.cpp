@@ -2,31 +2,39 @@
 #include "mapper/submaps/loop_finder.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "mapper/align/pose_step.hpp"
 
 namespace g3d::mapper::submaps {
 namespace {
 
-constexpr std::size_t kAround = 2;  // submaps before and after the old one
-constexpr std::size_t kApart = 3;   // candidates nearer to each other in the chain are one place
+constexpr std::size_t kAround = 2;   // submaps before and after the old one
+constexpr std::uint32_t kApart = 3;  // candidates nearer to each other in the chain are one place
 constexpr double kLeastArea_m2 = 2.0;
 
-/// Where `part` of the chain stands to another; the surfaces of both may be few.
-align::MapAlignment fit(const SubmapChain& chain, std::size_t old_first, std::size_t old_end, std::size_t at,
-                        std::size_t new_first, const hal::Pose& T_guess, const FinderOptions& options) {
-  const std::size_t newest = chain.submaps().size() - 1;
-  const Surroundings old = chain.surroundings(old_first, old_end, at);
-  const Surroundings now = chain.surroundings(new_first, newest + 1, newest);
-  if (old.space == nullptr || now.space == nullptr) return {};
-  align::MapAlignOptions how;
-  how.reach_m = options.reach_m;
-  how.reach_rad = options.reach_rad;
-  how.least_area_m2 = kLeastArea_m2;
-  const align::MapSurfaces a(*old.space, old.surfaces);
-  const align::MapSurfaces b(*now.space, now.surfaces);
-  return align_maps(a, b, T_guess, how);
-}
+/// A part of the chain, ready to be fitted.
+class Part {
+ public:
+  Part(const SubmapChain& chain, std::size_t first, std::size_t end, std::size_t at)
+      : shown_(chain.surroundings(first, end, at)) {
+    if (shown_.space != nullptr) surfaces_.emplace(*shown_.space, shown_.surfaces);
+  }
+  /// Where `other` stands in this one.
+  [[nodiscard]] align::MapAlignment fit(const Part& other, const hal::Pose& T_guess,
+                                        const FinderOptions& options) const {
+    if (!surfaces_ || !other.surfaces_) return {};
+    align::MapAlignOptions how;
+    how.reach_m = options.reach_m;
+    how.reach_rad = options.reach_rad;
+    how.least_area_m2 = kLeastArea_m2;
+    return align_maps(*surfaces_, *other.surfaces_, T_guess, how);
+  }
+
+ private:
+  Surroundings shown_;
+  std::optional<align::MapSurfaces> surfaces_;
+};
 
 }  // namespace
 
@@ -41,8 +49,8 @@ std::vector<std::uint32_t> LoopFinder::candidates(const SubmapChain& chain) cons
   std::sort(near.begin(), near.end());
   std::vector<std::uint32_t> chosen;
   for (const auto& [distance_m, i] : near) {
-    const bool is_new = std::none_of(chosen.begin(), chosen.end(),
-                                     [i = i](std::uint32_t j) { return std::max(i, j) - std::min(i, j) < kApart; });
+    const bool is_new =
+        std::none_of(chosen.begin(), chosen.end(), [i = i](std::uint32_t j) { return submaps_apart(i, j) < kApart; });
     if (is_new) chosen.push_back(i);
     if (chosen.size() == options_.most_candidates) break;
   }
@@ -52,20 +60,24 @@ std::vector<std::uint32_t> LoopFinder::candidates(const SubmapChain& chain) cons
 std::vector<Loop> LoopFinder::find(const SubmapChain& chain) {
   std::vector<Loop> loops;
   if (chain.submaps().empty()) return loops;
+  const std::vector<std::uint32_t> places = candidates(chain);
+  if (places.empty()) return loops;
   const std::size_t newest = chain.submaps().size() - 1;
   const hal::Pose here = chain.submaps()[newest].T_world_anchor();
-  for (const std::uint32_t i : candidates(chain)) {
+  const Part now(chain, newest - 1, newest + 1, newest);
+  const Part newest_alone(chain, newest, newest + 1, newest);
+  for (const std::uint32_t i : places) {
     ++report_.tried;
     const std::size_t first = i >= kAround ? i - kAround : 0;
     const std::size_t end = std::min<std::size_t>(i + kAround + 1, newest - options_.least_age + 1);
     const hal::Pose guess = hal::compose(hal::inverse(chain.submaps()[i].T_world_anchor()), here);
-    const align::MapAlignment all = fit(chain, first, end, i, newest - 1, guess, options_);
+    const align::MapAlignment all = Part(chain, first, end, i).fit(now, guess, options_);
     if (all.outcome != align::MapAlignOutcome::aligned) {
       ++report_.refused;
       continue;
     }
-    const align::MapAlignment less =
-        fit(chain, i >= 1 ? i - 1 : 0, std::min<std::size_t>(i + 2, end), i, newest, guess, options_);
+    const Part fewer(chain, i >= 1 ? i - 1 : 0, std::min<std::size_t>(i + 2, end), i);
+    const align::MapAlignment less = fewer.fit(newest_alone, guess, options_);
     const align::Vector6 apart = align::difference(all.T_a_b, less.T_a_b);
     if (less.outcome != align::MapAlignOutcome::aligned || align::shift_of(apart) > options_.most_apart_m ||
         align::turn_of(apart) > options_.most_apart_rad) {

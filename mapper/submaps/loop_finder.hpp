@@ -30,6 +30,9 @@ struct Loop {
   double overlap = 0.0;
 };
 
+/// How far two submaps are from each other in the chain.
+[[nodiscard]] constexpr std::uint32_t submaps_apart(std::uint32_t a, std::uint32_t b) { return a > b ? a - b : b - a; }
+
 class LoopFinder {
  public:
   explicit LoopFinder(const FinderOptions& options = {}) : options_(options) {}

@@ -19,7 +19,7 @@ bool LoopedMap::add(const hal::Frame& frame, std::span<const std::uint32_t> chan
   const bool is_held = !align::is_corrected(last_.outcome) || last_.holds_shift || last_.holds_turn;
   const bool is_due =
       chain_.add_frame(frame.stamp_ns, last_.T_world_camera, changed_slots, aligner_.samples(), is_held);
-  return is_due && finish_submap();
+  return is_due && finish();
 }
 
 CloserReport LoopedMap::report() const {
@@ -29,9 +29,7 @@ CloserReport LoopedMap::report() const {
   return report;
 }
 
-bool LoopedMap::finish() { return finish_submap(); }
-
-bool LoopedMap::finish_submap() {
+bool LoopedMap::finish() {
   if (!chain_.finish_submap(sketch_.take()) || !closer_.add_submap(chain_)) return false;
   const auto submaps = chain_.submaps();
   std::vector<hal::Pose> moves;

@@ -38,7 +38,7 @@ class LoopedMap {
   /// The frame that was aligned last is in the view now. True: all has been corrected, and any block of the view may
   /// have changed, or gone.
   bool add(const hal::Frame& frame, std::span<const std::uint32_t> changed_slots);
-  /// After the last frame: what is left becomes a submap. As add().
+  /// What is there since the last submap becomes one, as after the last frame. Returns as add().
   bool finish();
 
   /// Where a frame was that was mapped at that time with that pose, as far as is known by now.
@@ -51,8 +51,6 @@ class LoopedMap {
   [[nodiscard]] CloserReport report() const;
 
  private:
-  bool finish_submap();
-
   align::Aligner aligner_;
   SpaceSketch sketch_;
   SubmapChain chain_;
