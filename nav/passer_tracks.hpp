@@ -30,7 +30,7 @@ struct PasserTracksConfig {
   double least_mps = 0.25;       ///< slower: he stands, or it is none who walks
   double most_mps = 2.0;         ///< faster: the readings were not of one thing
   double gate_m = 0.5;           ///< farther from where he should be it is somebody else
-  double surely_walked_m = 0.5;  ///< noise that slides along a wall gets less far
+  double surely_walked_m = 0.25;  ///< noise that slides along a wall gets less far
   double about_s = 15.0;         ///< after the last sight he is still thought to be somewhere near
   double roams_mps = 1.2;        ///< and to have gone anywhere so fast
 };
