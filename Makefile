@@ -120,7 +120,7 @@ $(OLD_LIBC)/libc.so.6 $(OLD_LIBC)/libdl.so.2: Makefile
 	  $(CXX) -x c++ - -fno-builtin -nostdlib -shared -fPIC -Wl,-soname,$(@F) -Wl,--version-script=$@.map -o $@
 $(HELPER): $(OLD_LIBC)/libc.so.6 $(OLD_LIBC)/libdl.so.2
 $(HELPER): $(HELPER_SRC) $(wildcard mapper/cuda/helper/*.hpp) mapper/cuda/helper_protocol.hpp \
-  mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp
+  mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp mapper/cuda/align_memory.hpp $(wildcard mapper/align/*.hpp)
 	@mkdir -p $(@D)
 	$(SAY) $@
 	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -nodefaultlibs -o $@ $(HELPER_SRC) \
@@ -218,7 +218,7 @@ $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ -lbenchmark $(TEST_LIBS) $(LIBS)
 
 # For a machine with nothing but an NVIDIA driver: scripts/gpu-test.
-$(BUILD)/gpu_bench $(BUILD)/gpu_query_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
+$(BUILD)/gpu_bench $(BUILD)/gpu_query_bench $(BUILD)/gpu_align_bench: $(BUILD)/%: $(BUILD)/tests/bench/%.o $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(TEST_LIBS) $(LIBS)
 

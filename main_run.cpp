@@ -180,18 +180,20 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
 
   mapper::MapperConfig config = mapper_config(board, options);
   if (options.loops) config.backend = mapper::Backend::cpu;
+  const auto align = align_options(options);
+  if (align) config.surface_slots = static_cast<std::uint32_t>(align->surface.slots);
   if (const auto problem = mapper::config_problem(config, source.camera.model())) return fail(*problem);
   mapper::Mapper mapper(config, source.camera.model(), mask);
   if (const auto missing = missing_card(mapper, options)) return fail(*missing);
   hal::RealClock clock;
   std::unique_ptr<mapper::align::Aligner> aligner;
   std::unique_ptr<mapper::submaps::LoopedMap> looped;
-  if (const auto align = align_options(options); align && options.loops) {
+  if (align && options.loops) {
     mapper::submaps::LoopedOptions looped_options;
     looped_options.align = *align;
     looped = std::make_unique<mapper::submaps::LoopedMap>(mapper.map(), source.camera.model(), looped_options);
   } else if (align) {
-    aligner = std::make_unique<mapper::align::Aligner>(*align, source.camera.model());
+    aligner = std::make_unique<mapper::align::Aligner>(*align, source.camera.model(), mapper.fit_card());
   }
   const std::string odometry_path = options.out_dir + "/odometry.tum";
   std::optional<hal::TrajectoryWriter> odometry;

@@ -249,6 +249,11 @@ std::span<const std::uint32_t> Mapper::changed_slots() const {
   return parts_->last_on_card ? parts_->card->changed_slots() : parts_->updater.changed_slots();
 }
 
+align::FitCard* Mapper::fit_card() {
+  return parts_->config.surface_slots != 0 && parts_->card != nullptr && parts_->card->is_ready() ? parts_->card.get()
+                                                                                                  : nullptr;
+}
+
 const char* Mapper::backend_name() const {
   const bool on_card =
       parts_->frame_number == 0 ? parts_->card != nullptr && parts_->card->is_ready() : parts_->last_on_card;

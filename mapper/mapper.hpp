@@ -52,6 +52,7 @@ struct MapperConfig {
   int threads = 1;  ///< 1..64, the calling thread included
   MapCapacity capacity;
   Backend backend = Backend::cpu;
+  std::uint32_t surface_slots = 0;             ///< of the aligner's table, if a card is to align as well
   std::int64_t card_patience_ns = 33'000'000;  ///< a card that takes longer for a frame is taken for hung
 };
 
@@ -65,6 +66,8 @@ struct CardReport {
   std::uint64_t frames_on_cpu = 0;      ///< since there was to be a card
   std::uint64_t questions_on_card = 0;  ///< batches of rays or looks
   std::uint64_t questions_on_cpu = 0;
+  std::uint64_t fits_on_card = 0;  ///< frames that were aligned
+  std::uint64_t fits_on_cpu = 0;
   std::uint32_t losses = 0;  ///< times that its helper died, hung or failed; the CPU took over in that very frame
 };
 
@@ -87,6 +90,10 @@ struct FrameReport {
   std::uint32_t hit_blocks = 0;  ///< blocks of 8x8x8 voxels in which something was measured
   std::uint32_t refused_blocks = 0;
 };
+
+namespace align {
+class FitCard;
+}
 
 class Mapper {
  public:
@@ -131,6 +138,10 @@ class Mapper {
 
   /// Slots of the blocks that the last integrate() changed, each once. Valid until the next call.
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const;
+
+  /// Aligns frames for an aligner in the mapper's thread, before they are integrated. nullptr: there is no card, or the
+  /// configuration has no surface_slots.
+  [[nodiscard]] align::FitCard* fit_card();
 
   /// "cuda" if the last frame was integrated by a card (before the first one: would be), else "cpu".
   [[nodiscard]] const char* backend_name() const;

@@ -153,7 +153,7 @@ void Pipeline::pose_loop() {
     if (reason) drop(*reason);
     add_time(Stage::pose, start_ns);
     message.T_odometry_camera = message.posed.T_world_camera;
-    if (message.usable && config_.aligner != nullptr) {
+    if (message.usable && config_.aligner != nullptr && !config_.aligner->has_card()) {
       const hal::TimeNs align_start_ns = clock_.now();
       message.posed.T_world_camera = config_.aligner->align(pool_[index], message.T_odometry_camera).T_world_camera;
       add_time(Stage::align, align_start_ns);
@@ -189,20 +189,28 @@ void Pipeline::mapper_loop() {
   if (config_.looped != nullptr) (void)config_.looped->finish();
 }
 
+void Pipeline::align_here(const hal::Frame& frame, MappedFrame& mapped) {
+  const hal::TimeNs start_ns = clock_.now();
+  if (config_.looped != nullptr) {
+    mapped.T_world_camera = config_.looped->align(frame, mapped.T_odometry_camera).T_world_camera;
+  } else if (config_.aligner != nullptr && config_.aligner->has_card()) {
+    mapped.T_world_camera = config_.aligner->align(frame, mapped.T_odometry_camera).T_world_camera;
+  } else {
+    return;
+  }
+  add_time(Stage::align, start_ns);
+}
+
 void Pipeline::integrate(const PosedMessage& message) {
   const hal::Frame& frame = pool_[message.posed.frame_index];
-  const hal::TimeNs start_ns = clock_.now();
   MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, message.T_odometry_camera, {}};
-  if (config_.looped != nullptr) {
-    mapped.T_world_camera = config_.looped->align(frame, message.T_odometry_camera).T_world_camera;
-    add_time(Stage::align, start_ns);
-  }
+  align_here(frame, mapped);
   if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
   if (config_.footprint && !std::exchange(footprint_freed_, true)) {
     const hal::Pose T_world_base = hal::compose(mapped.T_world_camera, hal::inverse(config_.footprint->T_base_camera));
     mapper_.free_footprint(T_world_base.translation_m, config_.footprint->radius_m, config_.footprint->height_m);
   }
-  const hal::TimeNs integrate_start_ns = config_.looped != nullptr ? clock_.now() : start_ns;
+  const hal::TimeNs integrate_start_ns = clock_.now();
   mapped.report = mapper_.integrate(frame, mapped.T_world_camera);
   if (mapped.report.status == FrameStatus::out_of_range) {
     drop(hal::DropReason::out_of_range);

@@ -73,7 +73,8 @@ struct PipelineConfig {
   int frames_under_way = 4;         ///< 1..64, besides the one that the camera is filling
   RollingWindow* window = nullptr;  ///< if the map may be larger than memory; its lockstep must be ours
   std::optional<StartFootprint> footprint = std::nullopt;
-  align::Aligner* aligner = nullptr;  ///< corrects every pose before its frame is integrated, in the pose thread
+  /// Corrects every pose before its frame is integrated: in the pose thread, or in the mapper's if a card does it.
+  align::Aligner* aligner = nullptr;
   /// Instead of an aligner: the same in the mapper's thread, and the whole map is corrected now and then. Allocates.
   submaps::LoopedMap* looped = nullptr;
 };
@@ -127,6 +128,8 @@ class Pipeline {
 
   std::optional<hal::DropReason> find_pose(hal::TimeNs stamp_ns, hal::Pose& T_world_camera);
   void integrate(const PosedMessage& message);
+  /// The part of integrate() that aligns, if this is the thread for it.
+  void align_here(const hal::Frame& frame, MappedFrame& mapped);
   void drop(hal::DropReason reason);
   void add_time(Stage stage, hal::TimeNs start_ns);
   [[nodiscard]] bool is_lockstep() const { return config_.rate <= 0.0; }

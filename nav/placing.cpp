@@ -27,8 +27,8 @@ hal::PlanarPose on_plane(const hal::Pose& T_world_base) {
 }
 
 Placing::Placing(const std::optional<mapper::align::AlignOptions>& options, const hal::CameraModel& camera,
-                 const hal::Pose& T_base_camera)
-    : aligner_(options ? std::make_unique<mapper::align::Aligner>(*options, camera) : nullptr),
+                 const hal::Pose& T_base_camera, mapper::align::FitCard* card)
+    : aligner_(options ? std::make_unique<mapper::align::Aligner>(*options, camera, card) : nullptr),
       T_camera_base_(hal::inverse(T_base_camera)) {}
 
 void Placing::place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight) {

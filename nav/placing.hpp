@@ -25,9 +25,10 @@ namespace g3d::nav {
 
 class Placing {
  public:
-  /// Without options odometry is believed and every call does nothing.
+  /// Without options odometry is believed and every call does nothing. `card`: as for the aligner, whose mapper has
+  /// finished every frame before the next is placed.
   Placing(const std::optional<mapper::align::AlignOptions>& options, const hal::CameraModel& camera,
-          const hal::Pose& T_base_camera);
+          const hal::Pose& T_base_camera, mapper::align::FitCard* card = nullptr);
 
   /// Frames in their order. `sight`, which is not refused, has the poses of odometry and gets the corrected ones.
   /// `map`: of the frames before, not written to meanwhile.

@@ -15,7 +15,7 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       mapper_(config.mapper, config.camera, {}),
       navigator_(mapper_.map().grid(), config.navigator),
       senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}),
-      placing_(config.align, config.camera, config.T_base_camera) {
+      placing_(config.align, config.camera, config.T_base_camera, mapper_.fit_card()) {
   mapper_.follow_columns(navigator_.column_tables());
 }
 

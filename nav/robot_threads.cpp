@@ -51,8 +51,8 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
       parts_(parts),
       base_(parts.line, parts.clock, base_options(), parts.guard, parts.recorder),
       senses_({config.robot.camera, config.robot.T_base_camera, config.robot.T_world_start, config.robot.frame_watch}),
-      placing_(config.robot.align, config.robot.camera, config.robot.T_base_camera),
       mapper_(config.robot.mapper, config.robot.camera, {}),
+      placing_(config.robot.align, config.robot.camera, config.robot.T_base_camera, mapper_.fit_card()),
       navigator_(mapper_.map().grid(), config.robot.navigator),
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
       pool_(config.robot.camera, frames_waiting(config) + 2),

@@ -139,8 +139,8 @@ class RobotThreads {
   std::array<mapper::StageTimes, kStages> times_;  // each written by one thread
   hal::kobuki::BaseThread base_;
   Senses senses_;
-  Placing placing_;  // the mapper thread's
   mapper::Mapper mapper_;
+  Placing placing_;  // the mapper thread's
   Navigator navigator_;
 
   hal::FramePool pool_;

@@ -12,13 +12,7 @@
 namespace g3d::mapper::align {
 namespace {
 
-constexpr std::size_t kLeastSamples = 100;
-constexpr double kConverged_m = 1e-4;
-constexpr double kConverged_rad = 5e-5;
-// Samples are weighted relative to a sigma of 1 mm.
-constexpr double kUnitInformation = 1e6;
-// A mean square below this says how well the samples fit, not how well they are known.
-constexpr double kLeastMeanSquare = 0.05;
+constexpr std::uint32_t kLeastSamples = 100;
 // Samples find and lose their surfaces on the way, so that equal fits may differ by a little.
 constexpr double kNoBetter = 1.05;
 constexpr double kFewer = 0.9;
@@ -55,77 +49,66 @@ bool is_beyond(const hal::Pose& T) {
 
 }  // namespace
 
-Aligner::Aligner(const AlignOptions& options, const hal::CameraModel& camera)
-    : options_(options), samples_(camera, options.samples), surfaces_(options.surface) {}
+Aligner::Aligner(const AlignOptions& options, const hal::CameraModel& camera, FitCard* card)
+    : options_(options), samples_(camera, options.samples), card_(card), surfaces_(options.surface) {}
 
-Aligner::Solution Aligner::solve_from(const hal::Pose& predicted, const Matrix6& prior) const {
-  Solution s;
-  s.pose = predicted;
-  const auto chosen = static_cast<double>(samples_.chosen().size());
-  for (int step = 0;; ++step) {
-    const NormalSums sums = match(samples_.chosen(), surfaces_, s.pose, options_.kernel_m, born_by_ns_);
-    s.matched = static_cast<double>(sums.matched) / chosen;
-    s.cost = sums.mean_cost();
-    s.mean_square = sums.mean_square();
-    s.enough = s.matched >= options_.least_matched;
-    const double unit =
-        options_.data_weight * kUnitInformation / std::max(kLeastMeanSquare, s.mean_square * kUnitInformation);
-    s.information = sums.matrix();
-    for (double& x : s.information) x *= unit;
-    if (!s.enough || step == options_.most_steps) return s;
-
-    const Vector6 gradient = sums.gradient_vector();
-    const Vector6 off = difference(s.pose, predicted);
-    Matrix6 a = s.information;
-    Vector6 b{};
-    for (std::size_t i = 0; i < 6; ++i) {
-      b[i] = -unit * gradient[i];
-      for (std::size_t j = 0; j < 6; ++j) {
-        a[6 * i + j] += prior[6 * i + j];
-        b[i] += prior[6 * i + j] * off[j];
-      }
-    }
-    Vector6 x{};
-    if (!solve(a, b, x)) return s;
-    if (shift_of(x) < kConverged_m && turn_of(x) < kConverged_rad) return s;
-    s.pose = moved(s.pose, x);
-  }
+FitQuestion Aligner::question_of(const hal::Pose& predicted, const Matrix6& prior) const {
+  return {predicted,          prior, options_.data_weight, options_.least_matched, born_by_ns_, options_.kernel_m,
+          options_.most_steps};
 }
 
-AlignResult Aligner::judge(const hal::Pose& predicted, const Matrix6& prior, double most_surprise) const {
+void Aligner::sample_and_fit(const hal::Frame& frame, const FitQuestion& question) {
+  is_on_card_ = card_ != nullptr && card_->fit(frame, samples_.shape(), surfaces_, question, fitted_);
+  if (is_on_card_) return;
+  samples_.compute(frame.depth.get());
+  fitted_.chosen = static_cast<std::uint32_t>(samples_.chosen().size());
+  if (fitted_.chosen >= kLeastSamples) fitted_.answer = fit(samples_.chosen(), surfaces_, question);
+}
+
+void Aligner::add_samples(const hal::Frame& frame, const hal::Pose& T_world_camera, const SeenSpace* space) {
+  const hal::RigidTransform T = hal::to_transform(T_world_camera);
+  if (is_on_card_ && card_->add(T, frame.stamp_ns, space != nullptr, surfaces_)) return;
+  if (is_on_card_) samples_.compute(frame.depth.get());
+  surfaces_.add(samples_.all(), T, frame.stamp_ns, space);
+  if (space != nullptr) surfaces_.forget_gone(*space);
+}
+
+AlignResult Aligner::judge(const FitQuestion& question, double most_surprise) const {
   AlignResult result;
+  const hal::Pose& predicted = question.predicted;
+  const Matrix6& prior = question.prior;
   result.T_world_camera = predicted;
-  const auto chosen = static_cast<double>(samples_.chosen().size());
-  if (samples_.chosen().size() < kLeastSamples) {
+  if (fitted_.chosen < kLeastSamples) {
     result.outcome = AlignOutcome::few_samples;
     return result;
   }
-  const Solution s = solve_from(predicted, prior);
-  result.matched = s.matched;
-  if (!s.enough) {
+  const auto chosen = static_cast<double>(fitted_.chosen);
+  const FitAnswer& fitted = fitted_.answer;
+  result.matched = static_cast<double>(fitted.last.matched) / chosen;
+  if (!has_enough(fitted.last, chosen, question)) {
     result.outcome = AlignOutcome::little_overlap;
     return result;
   }
   result.outcome = AlignOutcome::aligned;
-  const Vector6 correction = difference(predicted, s.pose);
-  result.matched = s.matched;
-  result.residual_m = std::sqrt(s.mean_square);
+  const Vector6 correction = difference(predicted, fitted.pose);
+  result.residual_m = std::sqrt(fitted.last.mean_square());
   // A mount that was measured wrongly tilts the camera, which is no fault of the wheels.
   const bool on_floor = options_.motion == Motion::planar;
   const Vector6 of_wheels{correction[0], correction[1], 0.0, 0.0, 0.0, correction[5]};
   result.surprise = std::sqrt(quadratic(prior, on_floor ? of_wheels : correction));
   if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad || result.surprise > most_surprise) {
     result.outcome = AlignOutcome::implausible;
-  } else if (const NormalSums there = match(samples_.chosen(), surfaces_, predicted, options_.kernel_m, born_by_ns_);
-             s.cost > kNoBetter * there.mean_cost() ||
-             s.matched * chosen < kFewer * static_cast<double>(there.matched)) {
+  } else if (fitted.last.mean_cost() > kNoBetter * fitted.first.mean_cost() ||
+             static_cast<double>(fitted.last.matched) < kFewer * static_cast<double>(fitted.first.matched)) {
     result.outcome = AlignOutcome::no_better;
   } else {
-    result.T_world_camera = s.pose;
+    result.T_world_camera = fitted.pose;
     result.correction = correction;
+    Matrix6 information = fitted.last.matrix();
+    for (double& x : information) x *= information_unit(fitted.last, options_.data_weight);
     const Matrix6 odometry = without_floor(prior, options_.motion);
-    result.holds_shift = is_held(s.information, odometry, 0);
-    result.holds_turn = is_held(s.information, odometry, 3);
+    result.holds_shift = is_held(information, odometry, 0);
+    result.holds_turn = is_held(information, odometry, 3);
   }
   return result;
 }
@@ -138,13 +121,13 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     report_.count(nowhere.outcome, {}, false, false);
     return nowhere;
   }
-  samples_.compute(frame.depth.get());
   const bool is_measured = options_.source == OdometrySource::measured;
   const bool is_robot = space != nullptr && is_measured && options_.motion == Motion::planar;
   AlignResult result;
   if (!last_odometry_) {
     result.T_world_camera = T_odometry_camera;
     first_stamp_ns_ = frame.stamp_ns;
+    sample_and_fit(frame, question_of(T_odometry_camera, {}));  // there is nothing to fit to yet
   } else {
     const hal::Pose step = is_measured ? hal::compose(hal::inverse(*last_odometry_), T_odometry_camera) : hal::Pose{};
     const double dt_s = std::max(1e-3, static_cast<double>(frame.stamp_ns - last_stamp_ns_) / 1e9);
@@ -157,10 +140,11 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const hal::TimeNs old_ns = frame.stamp_ns - age_ns;
     born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
     since_aligned_s_ += dt_s;
-    result =
-        judge(predicted,
-              prior_information(options_.noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_),
-              is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity());
+    const FitQuestion question = question_of(
+        predicted,
+        prior_information(options_.noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_));
+    sample_and_fit(frame, question);
+    result = judge(question, is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity());
   }
   if (result.outcome == AlignOutcome::aligned && is_measured && options_.motion == Motion::planar) {
     habits_.learn(result.correction, since_aligned_m_, since_aligned_s_, result.holds_shift, result.holds_turn);
@@ -171,8 +155,7 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     since_aligned_m_ = {};
   }
   report_.count(result.outcome, result.correction, result.holds_shift, result.holds_turn);
-  surfaces_.add(samples_.all(), hal::to_transform(result.T_world_camera), frame.stamp_ns, space);
-  if (space != nullptr) surfaces_.forget_gone(*space);
+  add_samples(frame, result.T_world_camera, space);
   report_.surface_pieces = surfaces_.piece_count();
   report_.refused_samples = surfaces_.refused();
   last_odometry_ = T_odometry_camera;

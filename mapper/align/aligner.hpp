@@ -17,6 +17,7 @@
 #include "hal/messages.hpp"
 #include "mapper/align/align_report.hpp"
 #include "mapper/align/depth_samples.hpp"
+#include "mapper/align/fit_card.hpp"
 #include "mapper/align/motion_prior.hpp"
 #include "mapper/align/odometry_habits.hpp"
 #include "mapper/align/surface_map.hpp"
@@ -54,7 +55,8 @@ struct AlignResult {
 
 class Aligner {
  public:
-  Aligner(const AlignOptions& options, const hal::CameraModel& camera);
+  /// `card`: fits frames instead of the CPU while it can; outlives this.
+  Aligner(const AlignOptions& options, const hal::CameraModel& camera, FitCard* card = nullptr);
 
   /// `T_odometry_camera`: the camera in odometry's own frame, which may drift. Stamps ascend. `space`: the map of all
   /// frames before this one, if the caller may look at it; then nothing that moves is aligned to.
@@ -67,25 +69,24 @@ class Aligner {
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
   [[nodiscard]] const OdometryHabits& habits() const { return habits_; }
-  /// Of the last frame, camera frame.
+  [[nodiscard]] bool has_card() const { return card_ != nullptr; }
+  /// Of the last frame, camera frame. Not if a card has them.
   [[nodiscard]] std::span<const DepthSample> samples() const { return samples_.all(); }
   /// After the last frame, or from the thread that aligns.
   [[nodiscard]] const AlignReport& report() const { return report_; }
 
  private:
-  struct Solution {
-    hal::Pose pose;
-    Matrix6 information{};  ///< of the data alone
-    double cost = 0.0;      ///< mean over the matched samples, of the kernel
-    double matched = 0.0;
-    double mean_square = 0.0;
-    bool enough = false;
-  };
-  [[nodiscard]] Solution solve_from(const hal::Pose& predicted, const Matrix6& prior) const;
-  [[nodiscard]] AlignResult judge(const hal::Pose& predicted, const Matrix6& prior, double most_surprise) const;
+  [[nodiscard]] FitQuestion question_of(const hal::Pose& predicted, const Matrix6& prior) const;
+  /// By the card, or by the CPU if there is none any more.
+  void sample_and_fit(const hal::Frame& frame, const FitQuestion& question);
+  void add_samples(const hal::Frame& frame, const hal::Pose& T_world_camera, const SeenSpace* space);
+  [[nodiscard]] AlignResult judge(const FitQuestion& question, double most_surprise) const;
 
   AlignOptions options_;
   DepthSamples samples_;
+  FitCard* card_;
+  bool is_on_card_ = false;  ///< the frame in hand
+  CardFit fitted_;
   SurfaceMap surfaces_;
   std::optional<hal::Pose> last_odometry_;
   hal::Pose last_pose_;

@@ -8,28 +8,14 @@
 // construction. Thread: one.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "hal/messages.hpp"
+#include "mapper/align/depth_sample.hpp"
 
 namespace g3d::mapper::align {
-
-using Vector3f = std::array<float, 3>;
-[[nodiscard]] inline float dot(const Vector3f& a, const Vector3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-[[nodiscard]] inline Vector3f rotated(const hal::RigidTransform& T, const Vector3f& v) {
-  const auto& m = T.rotation;
-  return {m[0] * v[0] + m[1] * v[1] + m[2] * v[2], m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
-          m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
-}
-
-struct DepthSample {
-  Vector3f point_m;     ///< camera frame
-  Vector3f normal;      ///< unit, towards the camera
-  float weight = 0.0F;  ///< (1 mm / sigma)^2 of the point along its normal, 0..1
-};
 
 struct SampleOptions {
   float near_m = 0.6F;
@@ -37,9 +23,6 @@ struct SampleOptions {
   float spacing_m = 0.06F;  ///< chosen samples lie about so far apart
   std::size_t most_chosen = 4096;
 };
-
-/// Names the cube of `side_m` that a point lies in; never 0. Points within 500,000 cubes of the origin have their own.
-[[nodiscard]] std::uint64_t cube_of(const Vector3f& point_m, float side_m);
 
 class DepthSamples {
  public:
@@ -52,16 +35,14 @@ class DepthSamples {
   /// A part of them, even in space: a near wall does not outvote a far one.
   [[nodiscard]] std::span<const DepthSample> chosen() const { return {chosen_.data(), chosen_count_}; }
 
+  [[nodiscard]] const SampleShape& shape() const { return shape_; }
+
  private:
   void average_tiles(const std::uint16_t* depth);
   void find_normals();
   void choose();
 
-  hal::CameraModel camera_;
-  SampleOptions options_;
-  int tile_px_;
-  int columns_;
-  int rows_;
+  SampleShape shape_;
   std::vector<float> inverse_of_raw_;  ///< 1/m of every raw reading, 0 outside of near..far
   std::vector<float> inverse_depth_;   ///< per tile, 1/m, 0 = none
   std::vector<float> column_slope_;    ///< x / z of a tile's centre

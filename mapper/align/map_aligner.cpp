@@ -149,7 +149,7 @@ hal::Pose refined(const std::vector<DepthSample>& samples, const SurfaceMap& sur
     for (std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{5}}) m[7 * k] += 1e-6 * m[7 * k] + 1e-9;
     Vector6 x{};
     if (!solve(m, g, x)) return pose;
-    const double longest = 0.5 * static_cast<double>(surfaces.options().cell_m) + 0.05;
+    const double longest = 0.5 * static_cast<double>(surfaces.options().rule.cell_m) + 0.05;
     const double shrink = std::min({1.0, longest / std::max(shift_of(x), 1e-12), 0.1 / std::max(turn_of(x), 1e-12)});
     for (double& v : x) v *= shrink;
     pose = moved(pose, x);
@@ -212,7 +212,7 @@ MapAlignment align_maps(const MapSurfaces& a, const MapSurfaces& b, const hal::P
   const std::vector<DepthSample> many_b = evenly(standing_b, 0.1F, kJudged);
   const std::vector<DepthSample> many_a = evenly(standing_a, 0.1F, kJudged);
   if (many_a.size() < kLeastMapSamples || many_b.size() < kLeastMapSamples) return result;
-  const double area_m2 = static_cast<double>(b.fine().options().cell_m * b.fine().options().cell_m) *
+  const double area_m2 = static_cast<double>(b.fine().options().rule.cell_m * b.fine().options().rule.cell_m) *
                          static_cast<double>(standing_b.size()) / static_cast<double>(many_b.size());
 
   struct Answer {

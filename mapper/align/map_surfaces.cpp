@@ -28,7 +28,7 @@ std::size_t slots_for(std::uint64_t occupied, float voxels_per_cell) {
 
 SurfaceOptions options_for(const VoxelMap& map, float least_m, float voxels, float coherence) {
   const float cell_m = std::max(least_m, voxels * map.grid().resolution_m);
-  return {.cell_m = cell_m, .slots = slots_for(map.counts().occupied, voxels), .least_coherence = coherence};
+  return {.rule = {.cell_m = cell_m, .least_coherence = coherence}, .slots = slots_for(map.counts().occupied, voxels)};
 }
 
 /// Towards the free side; false if there is none.
@@ -92,8 +92,8 @@ MapSurfaces::MapSurfaces(const VoxelMap& map)
 MapSurfaces::MapSurfaces(const VoxelMap& map, std::span<const DepthSample> surfaces)
     : map_(map),
       tolerance_m_(kKnownBetter_m),
-      fine_({.cell_m = kLeastCell_m, .slots = slots_for(surfaces.size(), 1.0F), .least_coherence = 0.8F}),
-      coarse_({.cell_m = kCoarseCell_m, .slots = slots_for(surfaces.size(), 1.0F), .least_coherence = 0.7F}) {
+      fine_({.rule = {.cell_m = kLeastCell_m, .least_coherence = 0.8F}, .slots = slots_for(surfaces.size(), 1.0F)}),
+      coarse_({.rule = {.cell_m = kCoarseCell_m, .least_coherence = 0.7F}, .slots = slots_for(surfaces.size(), 1.0F)}) {
   fine_.add(surfaces, {});
   coarse_.add(surfaces, {});
   conclude();

@@ -3,10 +3,13 @@
 // radians about the camera, both along the world's axes.
 //
 // Terms are rounded to integers before they are summed, so that the sum is the same in any order and on any machine:
-// what lets a card add them up with atomics and agree with the CPU to the last bit.
+// what lets a card add them up with atomics and agree with the CPU to the last bit. Inline, as a card runs these lines
+// as well (mapper/cuda/kernels.cu), and written out: a library's products may be vectorised in another order on another
+// processor.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace g3d::mapper::align {
@@ -49,8 +52,58 @@ struct NormalSums {
 };
 
 /// x with A x = b for a symmetric positive definite A (Cholesky). False if A is not.
-[[nodiscard]] bool solve(const Matrix6& a, const Vector6& b, Vector6& x);
+[[nodiscard]] inline bool solve(const Matrix6& a, const Vector6& b, Vector6& x);
 /// x^T A x
-[[nodiscard]] double quadratic(const Matrix6& a, const Vector6& x);
+[[nodiscard]] inline double quadratic(const Matrix6& a, const Vector6& x);
+
+inline Matrix6 NormalSums::matrix() const {
+  Matrix6 m{};
+  std::size_t at = 0;
+  for (std::size_t a = 0; a < 6; ++a) {
+    for (std::size_t b = a; b < 6; ++b) m[6 * a + b] = m[6 * b + a] = static_cast<double>(upper[at++]) * 0x1.0p-20;
+  }
+  return m;
+}
+
+inline Vector6 NormalSums::gradient_vector() const {
+  Vector6 g{};
+  for (std::size_t a = 0; a < 6; ++a) g[a] = static_cast<double>(gradient[a]) * 0x1.0p-20;
+  return g;
+}
+
+inline bool solve(const Matrix6& a, const Vector6& b, Vector6& x) {
+  Matrix6 l{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double s = a[6 * i + j];
+      for (std::size_t k = 0; k < j; ++k) s -= l[6 * i + k] * l[6 * j + k];
+      if (i != j) {
+        l[6 * i + j] = s / l[6 * j + j];
+        continue;
+      }
+      if (!(s > 0.0)) return false;
+      l[6 * i + i] = __builtin_sqrt(s);
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    double s = b[i];
+    for (std::size_t k = 0; k < i; ++k) s -= l[6 * i + k] * x[k];
+    x[i] = s / l[6 * i + i];
+  }
+  for (std::size_t i = 6; i-- > 0;) {
+    double s = x[i];
+    for (std::size_t k = i + 1; k < 6; ++k) s -= l[6 * k + i] * x[k];
+    x[i] = s / l[6 * i + i];
+  }
+  return true;
+}
+
+inline double quadratic(const Matrix6& a, const Vector6& x) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) sum += x[i] * a[6 * i + j] * x[j];
+  }
+  return sum;
+}
 
 }  // namespace g3d::mapper::align

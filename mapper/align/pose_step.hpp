@@ -4,8 +4,6 @@
 // cosine, which differ from one C library to the next.
 #pragma once
 
-#include <cmath>
-
 #include "hal/geometry.hpp"
 #include "mapper/align/normal_equations.hpp"
 
@@ -30,7 +28,11 @@ namespace g3d::mapper::align {
   return x;
 }
 
-[[nodiscard]] inline double shift_of(const Vector6& x) { return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]); }
-[[nodiscard]] inline double turn_of(const Vector6& x) { return std::sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]); }
+[[nodiscard]] inline double shift_of(const Vector6& x) {
+  return __builtin_sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+[[nodiscard]] inline double turn_of(const Vector6& x) {
+  return __builtin_sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]);
+}
 
 }  // namespace g3d::mapper::align

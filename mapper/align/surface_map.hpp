@@ -16,22 +16,14 @@
 #include "hal/messages.hpp"
 #include "mapper/align/depth_samples.hpp"
 #include "mapper/align/seen_space.hpp"
+#include "mapper/align/surface_cell.hpp"
 #include "mapper/pool.hpp"
 
 namespace g3d::mapper::align {
 
-/// Where a surface passes: the plane through `point_m` across `normal`.
-struct SurfacePiece {
-  Vector3f point_m;
-  Vector3f normal;  ///< unit, towards free space
-};
-
 struct SurfaceOptions {
-  float cell_m = 0.08F;
+  SurfaceRule rule{};
   std::size_t slots = std::size_t{1} << 20;  ///< a power of two; 48 bytes each. Three quarters can be used
-  float least_sample_weight =
-      0.0008F;                   ///< samples below are matched, but not added: they would fill cells beside the surface
-  float least_coherence = 0.9F;  ///< length of a cell's mean normal; below, it holds a corner or a ball
 };
 
 class SurfaceMap {
@@ -42,10 +34,13 @@ class SurfaceMap {
   /// kept, but never found again.
   void add(std::span<const DepthSample> samples, const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns = 0,
            const SeenSpace* space = nullptr);
-  /// Looks at the next part of all pieces, kSweeps-th of the table; those around which everything is free by now have
-  /// left, and are not found again.
+  /// Looks at the next part of all pieces: those whose keys' homes are in the next kSweeps-th of the table. Around
+  /// which everything is free by now, those have left, and are not found again.
   void forget_gone(const SeenSpace& space);
   static constexpr std::size_t kSweeps = 32;
+  /// A frame adds cells if the table was less than three quarters full before it: whoever comes first among its
+  /// samples.
+  [[nodiscard]] bool takes_new_cells() const { return count_ * 4 < table_.size() * 3; }
   void clear();
   /// Every piece goes where the correction of the time of its birth takes it. Those that came into free space or have
   /// left are forgotten: they would be found out again. Allocates.
@@ -54,7 +49,19 @@ class SurfaceMap {
   /// first seen at `born_by_ns` at the latest: what moves is nowhere for long.
   [[nodiscard]] std::optional<SurfacePiece> find(const Vector3f& point_m, const Vector3f& normal,
                                                  hal::TimeNs born_by_ns = kAnyTime) const;
+  /// nullptr: there is none.
+  [[nodiscard]] const SurfaceCell* look_up(std::uint64_t key) const;
   static constexpr hal::TimeNs kAnyTime = std::numeric_limits<hal::TimeNs>::max() - 1;
+
+  // For whoever keeps a copy elsewhere, and computes there what add() and forget_gone() would: this is its mirror then.
+  [[nodiscard]] std::uint32_t next_frame() const { return frame_ + 1; }
+  struct Homes {
+    std::size_t first, end;
+  };
+  [[nodiscard]] Homes next_swept() const { return {next_swept_, next_swept_ + table_.size() / kSweeps}; }
+  [[nodiscard]] std::span<const SurfaceCell> table() const { return {table_.data(), table_.size()}; }
+  /// The cells that one frame has changed, each once. False: no add() can have left these, and nothing was taken.
+  [[nodiscard]] bool take(std::span<const SurfaceCell> changed, std::uint64_t refused, bool was_swept);
 
   [[nodiscard]] std::size_t piece_count() const { return count_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
@@ -67,41 +74,20 @@ class SurfaceMap {
   void for_each(Visit visit) const {
     for (std::size_t i = 0; i < table_.size(); ++i) {
       if (table_[i].key == 0 || table_[i].born_ns == kUnsteady) continue;
-      if (const auto piece = piece_of(table_[i])) visit(*piece, static_cast<float>(table_[i].weight));
+      SurfacePiece piece;
+      if (piece_of(options_.rule, table_[i], piece)) visit(piece, static_cast<float>(table_[i].weight));
     }
   }
 
  private:
-  static constexpr hal::TimeNs kUnsteady = std::numeric_limits<hal::TimeNs>::max();  ///< instead of a time of birth
-
-  struct Cell {
-    std::uint64_t key = 0;    ///< 0: nothing here
-    std::uint32_t frame = 0;  ///< the last one that added to it
-    std::int32_t weight = 0;
-    hal::TimeNs born_ns = 0;
-    std::int32_t place[3] = {};   ///< sums of weight * offset from the cell's low corner, in 1/1024 of a cell
-    std::int32_t normal[3] = {};  ///< sums of weight * normal * 1024
-  };
-
-  static void halve(Cell& cell);
-  /// A point in cells, and the low corner of the one it lies in. Nothing beyond the keys' room.
-  struct Place {
-    float q[3];
-    float low[3];
-  };
-  [[nodiscard]] std::optional<Place> place_of(const Vector3f& point_m) const;
-  [[nodiscard]] static std::uint64_t key_at(const Place& place, const Vector3f& normal);
   /// The cell of a key, or the empty one where it belongs.
-  [[nodiscard]] Cell& cell_for(std::uint64_t key);
-  static void add_to(Cell& cell, const Place& place, const Vector3f& normal, std::int32_t weight);
-  [[nodiscard]] static Vector3f mean_normal(const Cell& cell);
-  [[nodiscard]] Vector3f mean_point_m(const Cell& cell) const;
-  [[nodiscard]] const Cell* look_up(std::uint64_t key) const;
-  [[nodiscard]] std::optional<SurfacePiece> piece_of(const Cell& cell) const;
+  [[nodiscard]] SurfaceCell& cell_for(std::uint64_t key);
+  static void add_to(SurfaceCell& cell, const CellPlace& place, const Vector3f& normal, std::int32_t weight);
+  void forget_if_gone(SurfaceCell& cell, const SeenSpace& space);
 
   SurfaceOptions options_;
   std::size_t mask_;
-  ReservedArray<Cell> table_;
+  ReservedArray<SurfaceCell> table_;
   std::size_t count_ = 0;
   std::uint32_t frame_ = 0;
   std::uint64_t refused_ = 0;

@@ -54,6 +54,17 @@ class Card {
   [[nodiscard]] virtual const GridQuestion& grid_question() = 0;
   [[nodiscard]] virtual std::uint32_t grid_room() const = 0;
   virtual bool spread_grid() = 0;
+
+  // Before a frame, if it is to be aligned; align_twin.hpp knows how
+  [[nodiscard]] virtual const Alignment& alignment() = 0;
+  /// Of the table of surfaces; 0: frames are not aligned here.
+  [[nodiscard]] virtual std::uint32_t surface_slots() const = 0;
+  /// `count` cells from alignment() become those from slot `first` on. They must be all of the table in the end.
+  virtual bool import_cells(std::uint32_t first, std::uint32_t count) = 0;
+  /// Of the image in depth().
+  virtual bool fit_frame() = 0;
+  /// Its samples are added, and what that has changed is in alignment().
+  virtual bool add_samples() = 0;
 };
 
 }  // namespace g3d::mapper::cuda

@@ -19,7 +19,10 @@ constexpr std::uint32_t kMostFramesToRestart = 1024;  // a card that is lost aga
 
 CardKeeper::CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor,
                        std::span<const std::uint16_t> scan_mask, VoxelMap& mirror)
-    : sensor_(sensor), patience_ns_(config.card_patience_ns), twin_(config, sensor, scan_mask, mirror) {
+    : sensor_(sensor),
+      patience_ns_(config.card_patience_ns),
+      resolution_m_(config.resolution_m),
+      twin_(config, sensor, scan_mask, mirror) {
   helper_ = HelperProcess::start(setup(), report_.problem);
   if (helper_ != nullptr) take_if_ready(helper_->wait_started(kStartLimit_ns));
   frames_until_start_ = 0;  // a driver that is not there now will not come
@@ -58,6 +61,7 @@ void CardKeeper::take_if_ready(HelperState state) {
   report_.name = helper_->card_name();
   report_.memory_bytes = helper_->card_bytes();
   twin_.set_card(helper_);
+  align_twin_.forget_card();
 }
 
 void CardKeeper::start_later() {
@@ -92,6 +96,27 @@ bool CardKeeper::cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hit
 
 bool CardKeeper::count_looks(const LookModel& model, std::span<Look> looks) {
   return answered(twin_.has_card() && twin_.count_looks(model, looks));
+}
+
+bool CardKeeper::fit(const hal::Frame& frame, const align::SampleShape& shape, const align::SurfaceMap& mirror,
+                     const align::FitQuestion& question, align::CardFit& fitted) {
+  if (!twin_.has_card() || !AlignTwin::can(*helper_, shape, mirror, question)) return answered_fit(false);
+  const bool is_fitted = align_twin_.fit(*helper_, frame, shape, mirror, question, fitted);
+  if (!is_fitted) lose();
+  return answered_fit(is_fitted);
+}
+
+bool CardKeeper::answered_fit(bool by_card) {
+  ++(by_card ? report_.fits_on_card : report_.fits_on_cpu);
+  return by_card;
+}
+
+bool CardKeeper::add(const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns, bool looks_at_map,
+                     align::SurfaceMap& mirror) {
+  const bool is_added = twin_.has_card() && (!looks_at_map || twin_.send_changes()) &&
+                        align_twin_.add(*helper_, T_world_camera, stamp_ns, looks_at_map, resolution_m_, mirror);
+  if (!is_added && twin_.has_card()) lose();
+  return is_added;
 }
 
 bool CardKeeper::answered(bool by_card) {

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "mapper/align/fit_card.hpp"
+#include "mapper/cuda/align_twin.hpp"
 #include "mapper/cuda/helper_process.hpp"
 #include "mapper/cuda/helper_starter.hpp"
 #include "mapper/cuda/twin.hpp"
@@ -15,7 +17,7 @@
 
 namespace g3d::mapper::cuda {
 
-class CardKeeper {
+class CardKeeper final : public align::FitCard {
  public:
   /// Starts a helper and waits until it has loaded its driver, or says that there is none.
   CardKeeper(const MapperConfig& config, const cpu::SensorGeometry& sensor, std::span<const std::uint16_t> scan_mask,
@@ -32,6 +34,11 @@ class CardKeeper {
   /// See Twin. False: there is no card, or it was lost, and the CPU twin answers.
   [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
   [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
+  // Between finish() and begin(), if the configuration has surface_slots
+  [[nodiscard]] bool fit(const hal::Frame& frame, const align::SampleShape& shape, const align::SurfaceMap& mirror,
+                         const align::FitQuestion& question, align::CardFit& fitted) override;
+  [[nodiscard]] bool add(const hal::RigidTransform& T_world_camera, hal::TimeNs stamp_ns, bool looks_at_map,
+                         align::SurfaceMap& mirror) override;
   [[nodiscard]] ChangedClasses changed_classes() const { return twin_.changed_classes(); }
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return twin_.changed_slots(); }
   [[nodiscard]] bool is_ready() const { return twin_.has_card(); }
@@ -46,10 +53,13 @@ class CardKeeper {
   void start_later();
   void lose();
   bool answered(bool by_card);
+  bool answered_fit(bool by_card);
 
   const cpu::SensorGeometry& sensor_;
   hal::TimeNs patience_ns_;
+  float resolution_m_;
   Twin twin_;
+  AlignTwin align_twin_;
   std::shared_ptr<HelperProcess> helper_;
   std::unique_ptr<HelperStarter> starter_;  ///< for those after the first one, if that one found a card
   int lost_process_ = -1;                   ///< the last one that was lost, until the system has done away with it

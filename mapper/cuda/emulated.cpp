@@ -49,6 +49,8 @@ Emulated::Emulated(const MemorySizes& sizes, std::span<const float> column_slope
   queries_ = {memory_.rays, memory_.ray_hits, memory_.looks};
   grid_question_ = {memory_.spread, memory_.grid_costs, memory_.grid_distances};
   columns_ = {memory_.column_keys, memory_.column_cells};
+  alignment_ = {memory_.align.question, memory_.align.state, memory_.align.parcel,
+                touched_room(tiles_of(sizes.width_px, sizes.height_px), sizes.surface_slots)};
 }
 
 std::uint64_t Emulated::next_random() {
@@ -128,6 +130,33 @@ bool Emulated::spread_grid() {
   for (std::uint32_t round = 0; memory_.awake_counts[round % 3] != 0; ++round) {
     launch(5, kPixelThreads, [&](const Block& block) { spread_round(block, memory_, round); });
   }
+  return true;
+}
+
+bool Emulated::import_cells(std::uint32_t first, std::uint32_t count) {
+  launch(3, kPixelThreads, [&](const Block& block) { cuda::import_cells(block, memory_, first, count); });
+  return true;
+}
+
+bool Emulated::fit_frame() {
+  launch(5, kPixelThreads, [&](const Block& block) { read_tiles(block, memory_); });
+  launch(3, kPixelThreads, [&](const Block& block) { find_samples(block, memory_); });
+  launch(7, kPixelThreads, [&](const Block& block) { count_chosen(block, memory_); });
+  launch(5, kPixelThreads, [&](const Block& block) { choose(block, memory_); });
+  for (int step = 0; step <= memory_.align.question->fit.most_steps; ++step) {
+    launch(5, kParcelThreads, [&](const Block& block) { match_step(block, memory_, step); });
+  }
+  return true;
+}
+
+bool Emulated::add_samples() {
+  launch(5, kPixelThreads, [&](const Block& block) { place_samples(block, memory_); });
+  launch(3, kPixelThreads, [&](const Block& block) { lead_cells(block, memory_); });
+  launch(7, kPixelThreads, [&](const Block& block) { cuda::add_samples(block, memory_); });
+  if (memory_.align.question->looks_at_map != 0) {
+    launch(5, kPixelThreads, [&](const Block& block) { sweep_cells(block, memory_); });
+  }
+  launch(3, kPixelThreads, [&](const Block& block) { export_cells(block, memory_, alignment_.cell_room); });
   return true;
 }
 

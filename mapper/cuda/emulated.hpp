@@ -41,6 +41,11 @@ class Emulated final : public Card {
   [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
   [[nodiscard]] std::uint32_t grid_room() const override { return sizes_.grid_cells; }
   bool spread_grid() override;
+  [[nodiscard]] const Alignment& alignment() override { return alignment_; }
+  [[nodiscard]] std::uint32_t surface_slots() const override { return sizes_.surface_slots; }
+  bool import_cells(std::uint32_t first, std::uint32_t count) override;
+  bool fit_frame() override;
+  bool add_samples() override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }
 
@@ -64,6 +69,7 @@ class Emulated final : public Card {
   Queries queries_{};
   Columns columns_{};
   GridQuestion grid_question_{};
+  Alignment alignment_{};
 };
 
 }  // namespace g3d::mapper::cuda

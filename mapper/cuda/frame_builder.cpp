@@ -72,7 +72,9 @@ MemorySizes FrameBuilder::sizes() const {
           config_.capacity.colour_bricks,
           kRayRoom,
           look_room(sensor_.max_box_blocks()),
-          kColumnRoom};
+          kColumnRoom,
+          0,
+          config_.surface_slots};
 }
 
 void FrameBuilder::fill(const cpu::FrameGeometry& frame, bool with_colour, std::uint32_t frame_number,

@@ -91,6 +91,7 @@ void HelperProcess::fill(const HelperSetup& setup) {
   look_room_ = setup.sizes.looks;
   grid_room_ = setup.sizes.grid_cells;
   column_room_ = setup.sizes.columns;
+  surface_slots_ = setup.sizes.surface_slots;
   patience_ns_ = setup.patience_ns;
   std::memcpy(at<char>(control_->program), setup.kernels.data(), setup.kernels.size());
   Memory zero_based{};
@@ -109,6 +110,9 @@ void HelperProcess::fill(const HelperSetup& setup) {
   grid_question_ = {at<GridSpread>(control_->spread), at<std::uint8_t>(control_->grid_costs),
                     at<std::uint32_t>(control_->grid_distances)};
   columns_ = {at<std::uint64_t>(control_->column_keys), at<std::uint8_t>(control_->column_cells)};
+  alignment_ = {at<AlignQuestion>(control_->align_question), at<AlignState>(control_->align_state),
+                at<align::SurfaceCell>(control_->align_cells),
+                touched_room(tiles_of(setup.sizes.width_px, setup.sizes.height_px), surface_slots_)};
   queries_ = {at<BulkRay>(control_->rays), at<BulkHit>(control_->ray_hits), at<Look>(control_->looks)};
 }
 
@@ -240,6 +244,15 @@ bool HelperProcess::set_columns(const ColumnTables& tables) {
 bool HelperProcess::read_columns(std::uint32_t first) { return ask(HelperCommand::read_columns, first, patience_ns_); }
 
 bool HelperProcess::spread_grid() { return ask(HelperCommand::spread_grid, 0, kQuestionPatience * patience_ns_); }
+
+bool HelperProcess::import_cells(std::uint32_t first, std::uint32_t count) {
+  control_->first = first;
+  return ask(HelperCommand::import_cells, count, std::max(kImportPatience_ns, patience_ns_));
+}
+
+bool HelperProcess::fit_frame() { return ask(HelperCommand::fit_frame, 0, patience_ns_); }
+
+bool HelperProcess::add_samples() { return ask(HelperCommand::add_samples, 0, patience_ns_); }
 
 bool HelperProcess::cast_rays(std::uint32_t count, float resolution_m) {
   control_->look_model.resolution_m = resolution_m;

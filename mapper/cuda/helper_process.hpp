@@ -79,6 +79,11 @@ class HelperProcess final : public Card {
   [[nodiscard]] const GridQuestion& grid_question() override { return grid_question_; }
   [[nodiscard]] std::uint32_t grid_room() const override { return grid_room_; }
   bool spread_grid() override;
+  [[nodiscard]] const Alignment& alignment() override { return alignment_; }
+  [[nodiscard]] std::uint32_t surface_slots() const override { return surface_slots_; }
+  bool import_cells(std::uint32_t first, std::uint32_t count) override;
+  bool fit_frame() override;
+  bool add_samples() override;
 
   /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.
   void set_frame_command(HelperCommand command) { frame_command_ = command; }
@@ -116,6 +121,7 @@ class HelperProcess final : public Card {
   std::uint32_t column_room_ = 0;
   std::uint32_t grid_room_ = 0;
   std::uint32_t look_room_ = 0;
+  std::uint32_t surface_slots_ = 0;
   std::uint16_t* depth_ = nullptr;
   std::uint8_t* rgb_ = nullptr;
   Parcels parcels_{};
@@ -123,6 +129,7 @@ class HelperProcess final : public Card {
   Queries queries_{};
   Columns columns_{};
   GridQuestion grid_question_{};
+  Alignment alignment_{};
   hal::TimeNs patience_ns_ = 0;
   HelperCommand frame_command_ = HelperCommand::run_frame;
 };

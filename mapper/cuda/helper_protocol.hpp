@@ -11,7 +11,7 @@
 
 namespace g3d::mapper::cuda {
 
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 inline constexpr int kHelperFile = 3;  ///< file descriptor of the shared memory in the helper
 inline constexpr int kHelperLine = 4;  ///< one end of a socket pair; low, so that a dying process closes it first
 inline constexpr int kStages = 9;
@@ -29,6 +29,9 @@ enum class HelperCommand : std::uint32_t {
   cast_rays,         ///< `count` of them; stage_us[0] is the time of the launch, as for looks
   count_looks,       ///< `count` of them
   spread_grid,       ///< time as for rays
+  import_cells,      ///< `count` of them, from slot `first` on
+  fit_frame,         ///< of the depths in the input; time as for rays
+  add_samples,       ///< time as for rays
   hang,              ///< for tests: never answers
   end,               ///< ends by itself, for tools that want to look at what it leaves behind
 };
@@ -44,6 +47,7 @@ struct HelperControl {
   std::uint32_t ok;     ///< by the helper
   std::uint32_t room;   ///< parcels in one go
   std::uint32_t class_room;
+  std::uint32_t first;              ///< slot
   std::uint32_t coloured;           ///< number of the command whose colours are there
   std::uint32_t update_warps;       ///< 1 or 4 for a block of the map, 0: as the helper likes
   std::uint32_t wanted_processors;  ///< multiprocessors that kernels may use; 0: all
@@ -67,6 +71,9 @@ struct HelperControl {
   std::uint64_t rays;
   std::uint64_t ray_hits;
   std::uint64_t looks;
+  std::uint64_t align_question;
+  std::uint64_t align_state;
+  std::uint64_t align_cells;
   std::uint64_t class_heads;
   std::uint64_t class_planes;
   std::uint64_t heads;
@@ -108,6 +115,11 @@ struct HelperControl {
   control.rays = take(std::uint64_t{control.sizes.rays} * sizeof(BulkRay));
   control.ray_hits = take(std::uint64_t{control.sizes.rays} * sizeof(BulkHit));
   control.looks = take(std::uint64_t{control.sizes.looks} * sizeof(Look));
+  const std::uint32_t tiles = tiles_of(control.sizes.width_px, control.sizes.height_px);
+  control.align_question = take(sizeof(AlignQuestion));
+  control.align_state = take(sizeof(AlignState));
+  control.align_cells =
+      take(std::uint64_t{touched_room(tiles, control.sizes.surface_slots)} * sizeof(align::SurfaceCell));
   control.class_heads = take(std::uint64_t{control.class_room} * sizeof(ClassHead));
   control.class_planes = take(std::uint64_t{control.class_room} * sizeof(ClassPlane));
   control.heads = take(std::uint64_t{control.room} * sizeof(ParcelHead));

@@ -2,6 +2,14 @@
 // The kernels' entry points, compiled by clang to PTX without a CUDA toolkit (see the Makefile).
 #include "mapper/cuda/target_ptx.hpp"
 //
+// What alignment does by CPU and card alike is ordinary code: here it is compiled for the card as well.
+#include <array>
+#include <cstddef>
+#include <limits>
+#pragma clang force_cuda_host_device begin
+#include "mapper/align/pose_fit.hpp"
+#pragma clang force_cuda_host_device end
+//
 #include "mapper/cuda/kernels/launches.hpp"
 
 // So many registers that this many blocks of threads share a multiprocessor: they wait for memory most of the time.
@@ -42,3 +50,16 @@ G3D_KERNEL(kPixelThreads, 4) mark_looks_kernel(const g3d::mapper::LookModel mode
 G3D_KERNEL(kPixelThreads, 4) begin_spread_kernel() { begin_spread(Block{}, memory_map); }
 G3D_KERNEL(kPixelThreads, 4) spread_round_kernel(std::uint32_t round) { spread_round(Block{}, memory_map, round); }
 G3D_KERNEL(kPixelThreads, 4) count_looks_kernel(std::uint32_t count) { count_looks(Block{}, memory_map, count); }
+G3D_KERNEL(kPixelThreads, 4) read_tiles_kernel() { read_tiles(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) find_samples_kernel() { find_samples(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) count_chosen_kernel() { count_chosen(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) choose_kernel() { choose(Block{}, memory_map); }
+G3D_KERNEL(kParcelThreads, 4) match_step_kernel(int step) { match_step(Block{}, memory_map, step); }
+G3D_KERNEL(kPixelThreads, 4) place_samples_kernel() { place_samples(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) lead_cells_kernel() { lead_cells(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) add_samples_kernel() { add_samples(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) sweep_cells_kernel() { sweep_cells(Block{}, memory_map); }
+G3D_KERNEL(kPixelThreads, 4) export_cells_kernel(std::uint32_t room) { export_cells(Block{}, memory_map, room); }
+G3D_KERNEL(kPixelThreads, 4) import_cells_kernel(std::uint32_t first, std::uint32_t count) {
+  import_cells(Block{}, memory_map, first, count);
+}

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "mapper/column_bits.hpp"
+#include "mapper/cuda/align_memory.hpp"
 #include "mapper/cuda/frame_params.hpp"
 #include "mapper/grid_spread.hpp"
 #include "mapper/look.hpp"
@@ -180,6 +181,7 @@ struct Memory {
   std::uint32_t* awake_counts;  ///< of three rounds in turn
   std::uint32_t seen_stride;    ///< words of one look
   std::uint32_t* seen;          ///< a bit for each voxel of a look's box. Zero between questions
+  AlignMemory align;
 };
 
 /// What the sizes of all arrays follow from.
@@ -191,10 +193,11 @@ struct MemorySizes {
   std::uint32_t blocks;      ///< capacity of the map
   std::uint32_t planes;
   std::uint32_t bricks;
-  std::uint32_t rays = 0;        ///< cast in one go
-  std::uint32_t looks = 0;       ///< counted in one go
-  std::uint32_t columns = 0;     ///< blocks whose columns are read in one go
-  std::uint32_t grid_cells = 0;  ///< of the largest grid that is asked about; 0: none is
+  std::uint32_t rays = 0;           ///< cast in one go
+  std::uint32_t looks = 0;          ///< counted in one go
+  std::uint32_t columns = 0;        ///< blocks whose columns are read in one go
+  std::uint32_t grid_cells = 0;     ///< of the largest grid that is asked about; 0: none is
+  std::uint32_t surface_slots = 0;  ///< of the table of surfaces that frames are aligned to; 0: they are not
 };
 
 /// Slots of the hash table: at most half full.
@@ -305,6 +308,7 @@ std::size_t place(Pointers& m, const MemorySizes& s, std::uintptr_t base) {
   take(m.awake_counts, 3);
   m.seen_stride = s.box_blocks * kSeenWords;
   take(m.seen, std::size_t{s.looks} * m.seen_stride);
+  place_alignment(m.align, s.width_px, s.height_px, s.surface_slots, take);
   take(m.hits, records * kVoxels);  // last: the only array that does not begin as zeros
   return next - base;
 }

@@ -95,6 +95,11 @@ inline std::uint32_t atomic_add(std::uint32_t* p, std::uint32_t v) {
   *p = old + v;
   return old;
 }
+inline std::int64_t atomic_add_long(std::int64_t* p, std::int64_t v) {
+  const std::int64_t old = *p;
+  *p = old + v;
+  return old;
+}
 inline std::uint32_t atomic_or(std::uint32_t* p, std::uint32_t v) {
   const std::uint32_t old = *p;
   *p = old | v;
@@ -105,6 +110,7 @@ inline std::uint32_t atomic_min(std::uint32_t* p, std::uint32_t v) {
   *p = old < v ? old : v;
   return old;
 }
+inline void fence() {}
 template <typename T>
 T atomic_cas(T* p, T expected, T v) {
   const T old = *p;

@@ -96,6 +96,11 @@ class PerThread {
 inline G3D_GPU std::uint32_t atomic_add(std::uint32_t* p, std::uint32_t v) {
   return static_cast<std::uint32_t>(__nvvm_atom_add_gen_i(reinterpret_cast<int*>(p), static_cast<int>(v)));
 }
+inline G3D_GPU std::int64_t atomic_add_long(std::int64_t* p, std::int64_t v) {
+  return __nvvm_atom_add_gen_ll(reinterpret_cast<long long*>(p), v);
+}
+/// What the thread wrote before is seen by all others before what it writes after.
+inline G3D_GPU void fence() { __nvvm_membar_gl(); }
 inline G3D_GPU std::uint32_t atomic_or(std::uint32_t* p, std::uint32_t v) {
   return static_cast<std::uint32_t>(__nvvm_atom_or_gen_i(reinterpret_cast<int*>(p), static_cast<int>(v)));
 }

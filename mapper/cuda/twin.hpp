@@ -61,6 +61,8 @@ class Twin {
   /// Between begin() and the next one.
   [[nodiscard]] ChangedColumns changed_columns() const;
 
+  /// The card's map becomes what the mirror is. False: the card is lost.
+  [[nodiscard]] bool send_changes();
   // Questions to the card's map, which is the mirror: not between begin() and finish(). False: the card is lost; what
   // it answered may be incomplete.
   [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
@@ -71,7 +73,6 @@ class Twin {
   [[nodiscard]] std::span<const std::uint32_t> changed_slots() const { return {changed_.data(), changed_count_}; }
 
  private:
-  [[nodiscard]] bool send_changes();
   [[nodiscard]] bool read_columns();
   [[nodiscard]] bool send_keys(std::span<const BlockKey> keys);
   [[nodiscard]] bool forget_keys(std::span<const BlockKey> keys);

@@ -56,10 +56,10 @@ Options read_options(int argc, char** argv) {
     // What the defaults were chosen by.
     if (word == "--weight") o.align.data_weight = number();
     if (word == "--kernel") o.align.kernel_m = static_cast<float>(number());
-    if (word == "--cell") o.align.surface.cell_m = static_cast<float>(number());
+    if (word == "--cell") o.align.surface.rule.cell_m = static_cast<float>(number());
     if (word == "--spacing") o.align.samples.spacing_m = static_cast<float>(number());
     if (word == "--far") o.align.samples.far_m = static_cast<float>(number());
-    if (word == "--least") o.align.surface.least_sample_weight = static_cast<float>(number());
+    if (word == "--least") o.align.surface.rule.least_sample_weight = static_cast<float>(number());
     if (word == "--age") o.align.least_age_ns = static_cast<hal::TimeNs>(1e9 * number());
     if (word == "--matched") o.align.least_matched = number();
   }

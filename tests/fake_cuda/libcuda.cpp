@@ -21,11 +21,14 @@ namespace {
 constexpr int kOutOfMemory = 2;
 constexpr int kInvalidPtx = 218;
 constexpr int kNotFound = 500;
-constexpr std::string_view kKernels[] = {"import_blocks_kernel",  "read_image_kernel",    "walk_image_kernel",
-                                         "find_work_kernel",      "update_map_1_kernel",  "update_map_4_kernel",
-                                         "export_classes_kernel", "export_blocks_kernel", "read_columns_kernel",
-                                         "cast_rays_kernel",      "mark_looks_kernel",    "count_looks_kernel",
-                                         "begin_spread_kernel",   "spread_round_kernel"};
+constexpr std::string_view kKernels[] = {
+    "import_blocks_kernel", "read_image_kernel",   "walk_image_kernel",     "find_work_kernel",
+    "update_map_1_kernel",  "update_map_4_kernel", "export_classes_kernel", "export_blocks_kernel",
+    "read_columns_kernel",  "cast_rays_kernel",    "mark_looks_kernel",     "count_looks_kernel",
+    "begin_spread_kernel",  "spread_round_kernel", "read_tiles_kernel",     "find_samples_kernel",
+    "count_chosen_kernel",  "choose_kernel",       "match_step_kernel",     "place_samples_kernel",
+    "lead_cells_kernel",    "add_samples_kernel",  "sweep_cells_kernel",    "export_cells_kernel",
+    "import_cells_kernel"};
 Memory memory_map{};
 FrameParams frame_params{};
 std::uint64_t random_bits = 0x9E3779B97F4A7C15ULL;
@@ -74,6 +77,19 @@ void run(std::size_t kernel, const Block& block, void** arguments) {
   if (kernel == 11) count_looks(block, m, argument<std::uint32_t>(arguments, 0));
   if (kernel == 12) begin_spread(block, m);
   if (kernel == 13) spread_round(block, m, argument<std::uint32_t>(arguments, 0));
+  if (kernel == 14) read_tiles(block, m);
+  if (kernel == 15) find_samples(block, m);
+  if (kernel == 16) count_chosen(block, m);
+  if (kernel == 17) choose(block, m);
+  if (kernel == 18) match_step(block, m, argument<int>(arguments, 0));
+  if (kernel == 19) place_samples(block, m);
+  if (kernel == 20) lead_cells(block, m);
+  if (kernel == 21) add_samples(block, m);
+  if (kernel == 22) sweep_cells(block, m);
+  if (kernel == 23) export_cells(block, m, argument<std::uint32_t>(arguments, 0));
+  if (kernel == 24) {
+    import_cells(block, m, argument<std::uint32_t>(arguments, 0), argument<std::uint32_t>(arguments, 1));
+  }
 }
 
 constexpr int kNotSupported = 801;
@@ -140,6 +156,9 @@ int cuMemcpyHtoDAsync_v2(CuDevicePointer to, const void* from, std::size_t bytes
 int cuMemcpyDtoH_v2(void* to, CuDevicePointer from, std::size_t bytes) {
   std::memcpy(to, host(from), bytes);
   return 0;
+}
+int cuMemcpyDtoHAsync_v2(void* to, CuDevicePointer from, std::size_t bytes, CuHandle) {
+  return cuMemcpyDtoH_v2(to, from, bytes);
 }
 int cuMemHostRegister_v2(void*, std::size_t, unsigned) { return cannot_map() ? kNotFound : 0; }
 int cuMemHostGetDevicePointer_v2(CuDevicePointer* pointer, void* place, unsigned) {

@@ -52,6 +52,21 @@ class FaultyCard final : public mapper::cuda::Card {
     if (spoil_distances) spoil_distances(good_->grid_question().distances);
     return done && !fails_to_answer;
   }
+  const mapper::cuda::Alignment& alignment() override { return good_->alignment(); }
+  std::uint32_t surface_slots() const override { return good_->surface_slots(); }
+  bool import_cells(std::uint32_t first, std::uint32_t count) override {
+    return good_->import_cells(first, count) && !fails_to_import;
+  }
+  bool fit_frame() override {
+    const bool done = good_->fit_frame();
+    if (spoil_alignment) spoil_alignment(good_->alignment());
+    return done && !fails_to_answer;
+  }
+  bool add_samples() override {
+    const bool done = good_->add_samples();
+    if (spoil_alignment) spoil_alignment(good_->alignment());
+    return done && !fails_to_answer;
+  }
   const mapper::cuda::Queries& queries() override { return good_->queries(); }
   std::uint32_t ray_room() const override { return good_->ray_room(); }
   std::uint32_t look_room() const override { return good_->look_room(); }
@@ -75,6 +90,7 @@ class FaultyCard final : public mapper::cuda::Card {
   std::function<void(const mapper::cuda::Queries&)> spoil_answers;
   std::function<void(const mapper::cuda::Columns&)> spoil_columns;
   std::function<void(std::uint32_t*)> spoil_distances;
+  std::function<void(const mapper::cuda::Alignment&)> spoil_alignment;
 
  private:
   std::shared_ptr<mapper::cuda::Card> good_;

@@ -21,13 +21,16 @@ CuDevicePointer at(const void* p) { return static_cast<CuDevicePointer>(reinterp
 }  // namespace
 
 bool CardSession::load_questions(CuHandle module) {
-  constexpr const char* kQuestionNames[kQuestionCount] = {"read_columns_kernel", "cast_rays_kernel",
-                                                          "mark_looks_kernel",   "count_looks_kernel",
-                                                          "begin_spread_kernel", "spread_round_kernel"};
+  constexpr const char* kQuestionNames[kQuestionCount] = {
+      "read_columns_kernel", "cast_rays_kernel",    "mark_looks_kernel",  "count_looks_kernel",
+      "begin_spread_kernel", "spread_round_kernel", "read_tiles_kernel",  "find_samples_kernel",
+      "count_chosen_kernel", "choose_kernel",       "match_step_kernel",  "place_samples_kernel",
+      "lead_cells_kernel",   "add_samples_kernel",  "sweep_cells_kernel", "export_cells_kernel",
+      "import_cells_kernel"};
   for (int i = 0; i < kQuestionCount; ++i) {
     if (!check(driver_.module_get_function(&questions_[i], module, kQuestionNames[i]), kQuestionNames[i])) return false;
     int blocks = 0;
-    const int threads = static_cast<int>(i <= kCastRays ? kRayThreads : kLookThreads);
+    const int threads = static_cast<int>(i <= kCastRays || i == kMatchStep ? kRayThreads : kLookThreads);
     if (!check(driver_.max_active_blocks(&blocks, questions_[i], threads, 0), kQuestionNames[i])) return false;
     questions_at_once_[i] = static_cast<unsigned>(blocks) * processors_;
   }

@@ -370,6 +370,12 @@ bool CardSession::obey() {
       return cast_rays(control_->count);
     case HelperCommand::count_looks:
       return count_looks(control_->count);
+    case HelperCommand::import_cells:
+      return import_cells(control_->first, control_->count);
+    case HelperCommand::fit_frame:
+      return fit_frame();
+    case HelperCommand::add_samples:
+      return add_samples();
     case HelperCommand::hang:
     case HelperCommand::end:
       break;

@@ -16,7 +16,26 @@ class CardSession {
 
  private:
   enum Kernel { kImport, kRead, kWalk, kFind, kUpdateByOne, kUpdateByFour, kClasses, kExport, kKernelCount };
-  enum Question { kReadColumns, kCastRays, kMarkLooks, kCountLooks, kBeginSpread, kSpreadRound, kQuestionCount };
+  enum Question {
+    kReadColumns,
+    kCastRays,
+    kMarkLooks,
+    kCountLooks,
+    kBeginSpread,
+    kSpreadRound,
+    kReadTiles,
+    kFindSamples,
+    kCountChosen,
+    kChoose,
+    kMatchStep,
+    kPlaceSamples,
+    kLeadCells,
+    kAddSamples,
+    kSweepCells,
+    kExportCells,
+    kImportCells,
+    kQuestionCount
+  };
 
   [[nodiscard]] bool check(int result, const char* what);
   [[nodiscard]] bool make_context();
@@ -49,6 +68,10 @@ class CardSession {
   [[nodiscard]] bool spread_grid();
   [[nodiscard]] bool cast_rays(std::uint32_t count);
   [[nodiscard]] bool count_looks(std::uint32_t count);
+  [[nodiscard]] bool import_cells(std::uint32_t first, std::uint32_t count);
+  [[nodiscard]] bool launch_fit(int most_steps);
+  [[nodiscard]] bool fit_frame();
+  [[nodiscard]] bool add_samples();
   [[nodiscard]] bool fetch(std::uint64_t offset, const void* from, std::uint64_t bytes);
   [[nodiscard]] bool fetch_classes();
   [[nodiscard]] bool fetch_parcels(std::uint32_t first);
@@ -69,6 +92,8 @@ class CardSession {
   CuHandle first_graph_ = nullptr;  ///< a frame up to where it needs colours
   CuHandle last_graph_ = nullptr;
   CuHandle launch_graph_ = nullptr;  ///< all launches without copies
+  CuHandle fit_graph_ = nullptr;     ///< for so many steps:
+  int fit_graph_steps_ = -1;
   CuHandle events_[kStages + 1] = {};
   CuHandle classes_there_ = nullptr;
   CuDevicePointer memory_symbol_ = 0;

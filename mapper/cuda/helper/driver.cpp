@@ -39,6 +39,7 @@ const char* load_driver(Driver& d) {
       entry("cuMemcpyHtoD_v2", d.copy_to_card),
       entry("cuMemcpyHtoDAsync_v2", d.copy_to_card_async),
       entry("cuMemcpyDtoH_v2", d.copy_to_host),
+      entry("cuMemcpyDtoHAsync_v2", d.copy_to_host_async),
       entry("cuMemHostRegister_v2", d.host_register),
       entry("cuMemHostGetDevicePointer_v2", d.host_get_device_pointer),
       entry("cuStreamCreate", d.stream_create),

@@ -29,6 +29,7 @@ struct Driver {
   int (*copy_to_card)(CuDevicePointer, const void*, std::size_t);
   int (*copy_to_card_async)(CuDevicePointer, const void*, std::size_t, CuHandle);
   int (*copy_to_host)(void*, CuDevicePointer, std::size_t);
+  int (*copy_to_host_async)(void*, CuDevicePointer, std::size_t, CuHandle);
   int (*host_register)(void*, std::size_t, unsigned);
   int (*host_get_device_pointer)(CuDevicePointer*, void*, unsigned);
   int (*stream_create)(CuHandle*, unsigned);

@@ -13,9 +13,13 @@
 // When somebody asks: read_columns after a frame; between frames cast_rays, or mark_looks and count_looks;
 // at any time begin_spread, and spread_round again and again.
 //
+// Before a frame that is to be aligned: read_tiles, find_samples, count_chosen, choose, and match_step again and again;
+// once its pose is known place_samples, lead_cells, add_samples, sweep_cells, export_cells.
+//
 // No launch waits for the host: counts stay on the card, and blocks of threads stride over what there is.
 #pragma once
 
+#include "mapper/cuda/kernels/align_surfaces.hpp"
 #include "mapper/cuda/kernels/cast_rays.hpp"
 #include "mapper/cuda/kernels/classes.hpp"
 #include "mapper/cuda/kernels/columns.hpp"

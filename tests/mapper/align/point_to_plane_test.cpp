@@ -33,7 +33,7 @@ double cost_of(const NormalSums& sums) { return static_cast<double>(sums.cost) *
 }  // namespace
 
 TEST_CASE("the gradient is the derivative of the cost", "[mapper][align]") {
-  SurfaceMap surfaces({.cell_m = 0.05F, .slots = 1U << 14});
+  SurfaceMap surfaces({.rule = {.cell_m = 0.05F}, .slots = 1U << 14});
   const auto samples = corner(20000);
   surfaces.add(samples, {});
   const auto few = corner(400);
@@ -56,7 +56,7 @@ TEST_CASE("the gradient is the derivative of the cost", "[mapper][align]") {
 }
 
 TEST_CASE("a few steps find a pose that was off", "[mapper][align]") {
-  SurfaceMap surfaces({.cell_m = 0.05F, .slots = 1U << 14});
+  SurfaceMap surfaces({.rule = {.cell_m = 0.05F}, .slots = 1U << 14});
   surfaces.add(corner(20000), {});
   const auto samples = corner(400);
   hal::Pose pose = moved({}, {0.02, -0.015, 0.01, 0.004, 0.008, -0.006});
@@ -74,7 +74,7 @@ TEST_CASE("a few steps find a pose that was off", "[mapper][align]") {
 }
 
 TEST_CASE("a sample without a surface of its own pulls nowhere", "[mapper][align]") {
-  SurfaceMap surfaces({.cell_m = 0.05F, .slots = 1U << 14});
+  SurfaceMap surfaces({.rule = {.cell_m = 0.05F}, .slots = 1U << 14});
   surfaces.add(corner(20000), {});
   std::vector<DepthSample> odd{{{2.0F, 1.5F, 1.5F}, {0.0F, 0.0F, -1.0F}, 0.5F},
                                {{9.0F, 1.5F, 1.5F}, {-1.0F, 0.0F, 0.0F}, 0.5F}};
