@@ -123,6 +123,16 @@ void add_odometry_options(CLI::App& command, MappingOptions& options) {
                    "Recognise places that are seen again and correct the whole map by them; needs --odometry aligned");
 }
 
+void add_drift_like(CLI::App& command, std::string& drift_like) {
+  command
+      .add_option(
+          "--drift-like", drift_like,
+          "What drifts in robots: kobuki, a real base; rough, as flights do, 2 % of the way and 0.5 degrees per "
+          "root second")
+      ->check(CLI::IsMember({"kobuki", "rough"}))
+      ->capture_default_str();
+}
+
 void add_live_options(CLI::App& command, LiveOptions& live) {
   MappingOptions& options = live.mapping;
   add_mapper_option(command, options);
@@ -137,6 +147,7 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   command.add_option("--camera", live.camera, "The simulated camera as WIDTHxHEIGHT@HZ, such as 160x120@10");
   command.add_option("--drift", live.drift, "How wrong the simulated odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
+  add_drift_like(command, live.drift_like);
   command.add_option("--area", live.area, "Explore only X0,Y0,X1,Y1 in metres");
   command.add_option("--odometry", options.odometry, "given: odometry is believed; aligned: corrected by what is seen")
       ->check(CLI::IsMember({"given", "aligned"}))
@@ -233,6 +244,7 @@ int parse_and_run(int argc, char** argv) {
   sim_command->add_option("--camera", sim.camera, "The robots' cameras as WIDTHxHEIGHT@HZ, such as 160x120@10");
   sim_command->add_option("--drift", sim.drift, "How wrong odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
+  add_drift_like(*sim_command, sim.drift_like);
   sim_command->add_option("--area", sim.area, "Explore only X0,Y0,X1,Y1 in metres");
   sim_command->add_option("--crop", sim.crop,
                           "Take only X0,Y0,X1,Y1 of a map_server map, in metres of the map; the cut is a wall");

@@ -62,11 +62,12 @@ struct SimOptions {
   std::optional<double> frame_rate_hz;  ///< none: the board camera's
   bool no_noise = false;
   StagingOptions staging;
-  int robots = 0;      ///< above 0: they drive themselves, and there is no camera path
-  std::string camera;  ///< "WxH@HZ" of the robots' cameras; empty: the board's
-  double drift = 0.0;  ///< how wrong odometry is; 1 is a typical base
-  std::string area;    ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
-  std::string crop;    ///< "X0,Y0,X1,Y1": the piece of a map_server map that is the world; empty: all of it
+  int robots = 0;                     ///< above 0: they drive themselves, and there is no camera path
+  std::string camera;                 ///< "WxH@HZ" of the robots' cameras; empty: the board's
+  double drift = 0.0;                 ///< how wrong odometry is; 1 is a typical base
+  std::string drift_like = "kobuki";  ///< of robots: "kobuki" or "rough"
+  std::string area;                   ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
+  std::string crop;  ///< "X0,Y0,X1,Y1": the piece of a map_server map that is the world; empty: all of it
 };
 
 struct LiveOptions {
@@ -76,6 +77,7 @@ struct LiveOptions {
   std::string camera;           ///< "WxH@HZ" of the simulated camera; empty: the board's
   std::string area;             ///< "X0,Y0,X1,Y1": explore nothing outside of it; empty: everywhere
   double drift = 0.0;           ///< how wrong the simulated base's odometry is
+  std::string drift_like = "kobuki";
   bool no_noise = false;
   bool record = false;  ///< the base's bytes into kobuki.bin
   StagingOptions staging;

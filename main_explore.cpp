@@ -248,7 +248,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   robot_options.T_world_base = starts.value()[0];
   robot_options.T_base_camera = config.T_base_camera;
   robot_options.base.seed = mapping.seed;
-  hal::add_drift(robot_options, options.drift, mapping.seed);
+  hal::add_drift(robot_options, options.drift, mapping.seed, drift_like(options.drift_like));
   set_battery(robot_options.base, options.staging);
   building_options.robots = {robot_options};
   building_options.faults = staging.value().faults;

@@ -49,7 +49,7 @@ hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::
   robot.T_world_base = config.T_world_start;
   robot.T_base_camera = config.T_base_camera;
   robot.base.seed = options.mapping.seed;
-  hal::add_drift(robot, options.drift, options.mapping.seed);
+  hal::add_drift(robot, options.drift, options.mapping.seed, drift_like(options.drift_like));
   set_battery(robot.base, options.staging);
   building.robots = {robot};
   building.faults = faults;

@@ -100,6 +100,10 @@ hal::Result<Staging> read_staging(const StagingOptions& options) {
   return staging;
 }
 
+hal::BaseDrift drift_like(const std::string& name) {
+  return name == "rough" ? hal::BaseDrift::rough : hal::BaseDrift::kobuki;
+}
+
 void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options) {
   if (options.battery_min > 0.0) base.battery_life_s = 60.0 * options.battery_min;
 }

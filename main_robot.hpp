@@ -13,7 +13,7 @@
 #include "hal/linux/control_socket.hpp"
 #include "hal/result.hpp"
 #include "hal/sim/fault_plan.hpp"
-#include "hal/sim/sim_kobuki.hpp"
+#include "hal/sim/sim_building.hpp"
 #include "main_commands.hpp"
 #include "mapper/json_writer.hpp"
 #include "mapper/summary.hpp"
@@ -42,6 +42,7 @@ struct Staging {
 };
 [[nodiscard]] hal::Result<Staging> read_staging(const StagingOptions& options);
 /// The simulated base's.
+[[nodiscard]] hal::BaseDrift drift_like(const std::string& name);
 void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options);
 /// None where nobody asked for one and there is no folder for it. Errors: those of ControlSocket.
 [[nodiscard]] hal::Result<std::unique_ptr<hal::ControlSocket>> open_control(const StagingOptions& options,

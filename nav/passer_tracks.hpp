@@ -21,18 +21,18 @@
 namespace g3d::nav {
 
 struct PasserTracksConfig {
-  double radius_m = 0.28;        ///< of somebody on his feet, arms included
-  double depth_m = 0.14;         ///< his middle lies so far behind what is measured of him
-  double doubt_mps = 0.05;       ///< so much the predicted place grows
-  double ahead_s = 1.5;          ///< where he will be so soon is taken as well
-  double walks_on_s = 6.0;       ///< after the last sight
-  double known_after_s = 0.4;    ///< in view, until his velocity is believed
-  double least_mps = 0.25;       ///< slower: he stands, or it is none who walks
-  double most_mps = 2.0;         ///< faster: the readings were not of one thing
-  double gate_m = 0.5;           ///< farther from where he should be it is somebody else
+  double radius_m = 0.28;         ///< of somebody on his feet, arms included
+  double depth_m = 0.14;          ///< his middle lies so far behind what is measured of him
+  double doubt_mps = 0.05;        ///< so much the predicted place grows
+  double ahead_s = 1.5;           ///< where he will be so soon is taken as well
+  double walks_on_s = 6.0;        ///< after the last sight
+  double known_after_s = 0.4;     ///< in view, until his velocity is believed
+  double least_mps = 0.25;        ///< slower: he stands, or it is none who walks
+  double most_mps = 2.0;          ///< faster: the readings were not of one thing
+  double gate_m = 0.5;            ///< farther from where he should be it is somebody else
   double surely_walked_m = 0.25;  ///< noise that slides along a wall gets less far
-  double about_s = 15.0;         ///< after the last sight he is still thought to be somewhere near
-  double roams_mps = 1.2;        ///< and to have gone anywhere so fast
+  double about_s = 15.0;          ///< after the last sight he is still thought to be somewhere near
+  double roams_mps = 1.2;         ///< and to have gone anywhere so fast
 };
 
 class PasserTracks {

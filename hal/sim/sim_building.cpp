@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hal/sim/plain_trig.hpp"
+#include "hal/sim/pose_drift.hpp"
 
 namespace g3d::hal {
 namespace {
@@ -27,6 +28,19 @@ std::shared_ptr<const World> with_robots(World world, const std::vector<SimRobot
     (void)world.add_moving_cylinder(0.0, robot.body.radius_m, robot.body.height_m, shell);
   }
   return std::make_shared<const World>(std::move(world));
+}
+
+void add_rough_drift(SimRobotOptions& robot, double scale, std::uint64_t seed) {
+  const PoseDrift poses = robot_drift(seed, scale);
+  SeededRandom random(SeededRandom(seed).bits());
+  const auto either_way = [&](double x) { return random.uniform() < 0.5 ? -x : x; };
+  robot.base.gyro_bias_radps += either_way(poses.heading_bias_rad_per_s);
+  // Samples are independent: over a second their sum walks by sigma / sqrt(rate).
+  robot.base.gyro_noise_radps += poses.heading_walk_rad_per_root_s * std::sqrt(kGyroRate_hz);
+  const double wheels = 1.0 + either_way(poses.translation_scale - 1.0);
+  robot.base.left_scale *= wheels;
+  robot.base.right_scale *= wheels;
+  robot.base.seed = random.bits() >> 8;
 }
 
 }  // namespace
@@ -49,7 +63,11 @@ Pose pose_on_floor(const PlanarPose& T_world_base) {
   return {{T_world_base.x_m, T_world_base.y_m, 0.0}, {0.0, 0.0, half.sin, half.cos}};
 }
 
-void add_drift(SimRobotOptions& robot, double scale, std::uint64_t seed) {
+void add_drift(SimRobotOptions& robot, double scale, std::uint64_t seed, BaseDrift like) {
+  if (like == BaseDrift::rough) {
+    if (scale > 0.0) add_rough_drift(robot, scale, seed);
+    return;
+  }
   constexpr double kDegPerMinute_radps = std::numbers::pi / 180.0 / 60.0;
   SeededRandom random(seed);
   robot.base.gyro_bias_radps += scale * kDegPerMinute_radps * random.gaussian();

@@ -36,9 +36,15 @@ struct SimRobotOptions {
   SimKobukiOptions base;
 };
 
-/// Gives a robot the odometry of a real one, drawn by seed. At `scale` 1: gyro bias of 1 degree per minute (sigma) that
-/// wanders, gyro scale 0.5 %, wheel radii 0.3 %, 1 % slip; 0 changes nothing.
-void add_drift(SimRobotOptions& robot, double scale, std::uint64_t seed);
+/// Whose odometry a robot gets, drawn by seed.
+enum class BaseDrift : std::uint8_t {
+  kobuki,  ///< gyro bias of 1 degree per minute (sigma) that wanders, gyro scale 0.5 %, wheel radii 0.3 %, 1 % slip
+  /// As pose_drift.hpp has poses drift: 2 % of the way, gyro bias of 0.3 degrees/s (its sign is drawn), and 0.5 degrees
+  /// per root second. What of the bias is left is what the driver has not made good at rest.
+  rough,
+};
+/// At `scale` 1 as said above; 0 changes nothing.
+void add_drift(SimRobotOptions& robot, double scale, std::uint64_t seed, BaseDrift like = BaseDrift::kobuki);
 
 struct SimBuildingOptions {
   CameraModel camera = scaled_kinect(640, 480);

@@ -12,8 +12,9 @@ using kobuki::Feedback;
 
 constexpr double kCdegPerRad = 18000.0 / std::numbers::pi;
 constexpr double kGyroDigitsPerRadps = 180.0 / std::numbers::pi / 0.00875;
-constexpr int kGyroSamples = 2;  // 100 Hz in 50 Hz packets
 constexpr double kPacketPeriod_s = 0.02;
+constexpr int kGyroSamples = 2;  // in a packet
+static_assert(kGyroSamples == kGyroRate_hz * kPacketPeriod_s);
 constexpr double kDangerousBattery_V = 13.2;
 constexpr TimeNs kOverCurrentAfter_ns = 100'000'000;
 constexpr std::uint16_t kFloorAdc = 1850;  // captures: 1600 to 2050

@@ -22,6 +22,8 @@
 
 namespace g3d::hal {
 
+inline constexpr double kGyroRate_hz = 100.0;
+
 struct SimKobukiOptions {
   std::uint64_t seed = 1;
   // The gyro

@@ -27,8 +27,10 @@ struct NormalSums {
   /// `j`: derivative of the residual by x, below about 10; `residual` in metres; `weight` 0..1.
   void add(const std::array<float, 6>& j, float residual, float weight) {
     std::size_t at = 0;
+#pragma GCC unroll 6
     for (std::size_t a = 0; a < 6; ++a) {
       const float wj = weight * j[a];
+#pragma GCC unroll 6
       for (std::size_t b = a; b < 6; ++b) upper[at++] += static_cast<std::int64_t>(wj * j[b] * kCoarse);
       gradient[a] += static_cast<std::int64_t>(wj * residual * kCoarse);
     }
@@ -59,7 +61,9 @@ struct NormalSums {
 inline Matrix6 NormalSums::matrix() const {
   Matrix6 m{};
   std::size_t at = 0;
+#pragma GCC unroll 6
   for (std::size_t a = 0; a < 6; ++a) {
+#pragma GCC unroll 6
     for (std::size_t b = a; b < 6; ++b) m[6 * a + b] = m[6 * b + a] = static_cast<double>(upper[at++]) * 0x1.0p-20;
   }
   return m;
@@ -73,9 +77,13 @@ inline Vector6 NormalSums::gradient_vector() const {
 
 inline bool solve(const Matrix6& a, const Vector6& b, Vector6& x) {
   Matrix6 l{};
+  // Unrolled, since what is indexed by a variable is no register of a card's.
+#pragma GCC unroll 6
   for (std::size_t i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
     for (std::size_t j = 0; j <= i; ++j) {
       double s = a[6 * i + j];
+#pragma GCC unroll 6
       for (std::size_t k = 0; k < j; ++k) s -= l[6 * i + k] * l[6 * j + k];
       if (i != j) {
         l[6 * i + j] = s / l[6 * j + j];
@@ -85,13 +93,17 @@ inline bool solve(const Matrix6& a, const Vector6& b, Vector6& x) {
       l[6 * i + i] = __builtin_sqrt(s);
     }
   }
+#pragma GCC unroll 6
   for (std::size_t i = 0; i < 6; ++i) {
     double s = b[i];
+#pragma GCC unroll 6
     for (std::size_t k = 0; k < i; ++k) s -= l[6 * i + k] * x[k];
     x[i] = s / l[6 * i + i];
   }
+#pragma GCC unroll 6
   for (std::size_t i = 6; i-- > 0;) {
     double s = x[i];
+#pragma GCC unroll 6
     for (std::size_t k = i + 1; k < 6; ++k) s -= l[6 * k + i] * x[k];
     x[i] = s / l[6 * i + i];
   }

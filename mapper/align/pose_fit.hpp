@@ -72,8 +72,10 @@ inline void add_match(const DepthSample& sample, const hal::RigidTransform& T, c
   const Vector6 off = difference(pose, question.predicted);
   Matrix6 a = sums.matrix();
   Vector6 b{};
+#pragma GCC unroll 6
   for (std::size_t i = 0; i < 6; ++i) {
     b[i] = -unit * gradient[i];
+#pragma GCC unroll 6
     for (std::size_t j = 0; j < 6; ++j) {
       a[6 * i + j] = a[6 * i + j] * unit + question.prior[6 * i + j];
       b[i] += question.prior[6 * i + j] * off[j];

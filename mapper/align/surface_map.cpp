@@ -86,6 +86,8 @@ void SurfaceMap::forget_gone(const SeenSpace& space) {
 bool SurfaceMap::take(std::span<const SurfaceCell> changed, std::uint64_t refused, bool was_swept) {
   const std::uint32_t frame = next_frame();
   std::size_t unknown = 0;
+  // Each lies somewhere else in a large table: the processor may as well wait for many of them at once.
+  for (const SurfaceCell& cell : changed) __builtin_prefetch(&table_[home_of(cell.key, mask_)], 1);
   for (const SurfaceCell& cell : changed) {
     if (!is_sound(cell) || cell.frame > frame) return false;
     unknown += look_up(cell.key) == nullptr ? 1 : 0;

@@ -37,6 +37,7 @@ bool AlignTwin::fit(Card& card, const hal::Frame& frame, const align::SampleShap
                     const align::SurfaceMap& mirror, const align::FitQuestion& question, align::CardFit& fitted) {
   if (!is_there_ && !send(card, mirror)) return false;
   is_there_ = true;
+  if (!card.begin_fit()) return false;
   AlignQuestion& asked = *card.alignment().question;
   asked = {};
   asked.shape = shape;
@@ -44,7 +45,7 @@ bool AlignTwin::fit(Card& card, const hal::Frame& frame, const align::SampleShap
   asked.fit = question;
   const auto pixels = static_cast<std::size_t>(shape.width_px * shape.rows * shape.tile_px);
   std::memcpy(card.depth(), frame.depth.get(), pixels * sizeof(std::uint16_t));
-  if (!card.fit_frame()) return false;
+  if (!card.finish_fit()) return false;
   const AlignState state = *card.alignment().state;  // whoever shares it may write there at any time
   if (!is_sane(state, question)) return false;
   fitted.chosen = state.chosen;

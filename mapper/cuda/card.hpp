@@ -61,8 +61,10 @@ class Card {
   [[nodiscard]] virtual std::uint32_t surface_slots() const = 0;
   /// `count` cells from alignment() become those from slot `first` on. They must be all of the table in the end.
   virtual bool import_cells(std::uint32_t first, std::uint32_t count) = 0;
-  /// Of the image in depth().
-  virtual bool fit_frame() = 0;
+  /// Begins a fit: question and depth() may still come, while the card wakes up.
+  virtual bool begin_fit() = 0;
+  /// They are there.
+  virtual bool finish_fit() = 0;
   /// Its samples are added, and what that has changed is in alignment().
   virtual bool add_samples() = 0;
 };

@@ -138,7 +138,7 @@ bool Emulated::import_cells(std::uint32_t first, std::uint32_t count) {
   return true;
 }
 
-bool Emulated::fit_frame() {
+bool Emulated::finish_fit() {
   launch(5, kPixelThreads, [&](const Block& block) { read_tiles(block, memory_); });
   launch(3, kPixelThreads, [&](const Block& block) { find_samples(block, memory_); });
   launch(7, kPixelThreads, [&](const Block& block) { count_chosen(block, memory_); });

@@ -44,7 +44,8 @@ class Emulated final : public Card {
   [[nodiscard]] const Alignment& alignment() override { return alignment_; }
   [[nodiscard]] std::uint32_t surface_slots() const override { return sizes_.surface_slots; }
   bool import_cells(std::uint32_t first, std::uint32_t count) override;
-  bool fit_frame() override;
+  bool begin_fit() override { return true; }
+  bool finish_fit() override;
   bool add_samples() override;
 
   [[nodiscard]] const Memory& memory() const { return memory_; }

@@ -250,7 +250,12 @@ bool HelperProcess::import_cells(std::uint32_t first, std::uint32_t count) {
   return ask(HelperCommand::import_cells, count, std::max(kImportPatience_ns, patience_ns_));
 }
 
-bool HelperProcess::fit_frame() { return ask(HelperCommand::fit_frame, 0, patience_ns_); }
+bool HelperProcess::begin_fit() { return post(HelperCommand::fit_frame, 0); }
+
+bool HelperProcess::finish_fit() {
+  __atomic_store_n(&control_->coloured, asked_, __ATOMIC_RELEASE);
+  return wait_answer(patience_ns_);
+}
 
 bool HelperProcess::add_samples() { return ask(HelperCommand::add_samples, 0, patience_ns_); }
 

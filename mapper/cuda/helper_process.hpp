@@ -82,7 +82,8 @@ class HelperProcess final : public Card {
   [[nodiscard]] const Alignment& alignment() override { return alignment_; }
   [[nodiscard]] std::uint32_t surface_slots() const override { return surface_slots_; }
   bool import_cells(std::uint32_t first, std::uint32_t count) override;
-  bool fit_frame() override;
+  bool begin_fit() override;
+  bool finish_fit() override;
   bool add_samples() override;
 
   /// For measurements: begin_frame() asks for this instead, and stages_us() tells what it took.

@@ -30,7 +30,7 @@ enum class HelperCommand : std::uint32_t {
   count_looks,       ///< `count` of them
   spread_grid,       ///< time as for rays
   import_cells,      ///< `count` of them, from slot `first` on
-  fit_frame,         ///< of the depths in the input; time as for rays
+  fit_frame,         ///< as soon as `coloured` says that question and depths are there; time as for rays
   add_samples,       ///< time as for rays
   hang,              ///< for tests: never answers
   end,               ///< ends by itself, for tools that want to look at what it leaves behind
@@ -48,7 +48,7 @@ struct HelperControl {
   std::uint32_t room;   ///< parcels in one go
   std::uint32_t class_room;
   std::uint32_t first;              ///< slot
-  std::uint32_t coloured;           ///< number of the command whose colours are there
+  std::uint32_t coloured;           ///< number of the command whose colours (or depths) are there
   std::uint32_t update_warps;       ///< 1 or 4 for a block of the map, 0: as the helper likes
   std::uint32_t wanted_processors;  ///< multiprocessors that kernels may use; 0: all
   MemorySizes sizes;

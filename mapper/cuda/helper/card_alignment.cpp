@@ -51,6 +51,7 @@ bool CardSession::launch_fit(int most_steps) {
 }
 
 bool CardSession::fit_frame() {
+  if (!wait_for_colours()) return false;
   const int most_steps = shared<const AlignQuestion>(control_->align_question)->fit.most_steps;
   if (control_->sizes.surface_slots == 0 || most_steps < 0 || most_steps > kMostFitSteps) return false;
   const bool makes_graph = !confined_ && driver_.stream_begin_capture != nullptr &&
@@ -68,7 +69,7 @@ bool CardSession::fit_frame() {
   const bool by_graph = fit_graph_ != nullptr && fit_graph_steps_ == most_steps;
   return check(driver_.event_record(events_[0], stream_), "event") &&
          (by_graph ? check(driver_.graph_launch(fit_graph_, stream_), "graph") : launch_fit(most_steps)) &&
-         finish_question(stream_);
+         wait_timed(stream_);
 }
 
 bool CardSession::add_samples() {
@@ -95,7 +96,7 @@ bool CardSession::add_samples() {
        check(driver_.copy_to_host_async(shared<char>(control_->align_state), at(memory_.align.state),
                                         offsetof(AlignState, arrived), stream_),
              "state") &&
-       finish_question(stream_);
+       wait_timed(stream_);
   std::uint32_t touched = shared<const AlignState>(control_->align_state)->touched;
   if (touched > room) touched = room;
   return ok &&

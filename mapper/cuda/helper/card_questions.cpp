@@ -128,14 +128,19 @@ bool CardSession::spread_grid() {
   return fetch(control_->grid_distances, memory_.grid_distances, cells * sizeof(std::uint32_t));
 }
 
-/// Waits for the answer, and tells what it took.
-bool CardSession::finish_question(CuHandle stream) {
+bool CardSession::wait_timed(CuHandle stream) {
   float ms = 0.0F;
   const bool ok = check(driver_.event_record(events_[1], stream), "event") &&
                   check(driver_.stream_synchronize(stream), "question") &&
                   check(driver_.event_elapsed_time(&ms, events_[0], events_[1]), "event");
   control_->stage_us[0] = 1000.0F * ms;
-  return ok && fetch(offsetof(HelperControl, refused_imports), &memory_.state->refused_imports, sizeof(std::uint32_t));
+  return ok;
+}
+
+/// Waits for the answer, and tells what it took.
+bool CardSession::finish_question(CuHandle stream) {
+  return wait_timed(stream) &&
+         fetch(offsetof(HelperControl, refused_imports), &memory_.state->refused_imports, sizeof(std::uint32_t));
 }
 
 }  // namespace g3d::mapper::cuda

@@ -63,6 +63,8 @@ class CardSession {
   /// So many tasks, one block of threads for each; fewer blocks stride over them where they would not fit.
   [[nodiscard]] bool ask(Question question, CuHandle stream, std::uint64_t tasks, unsigned threads, void** arguments);
   [[nodiscard]] bool finish_question(CuHandle stream);
+  /// For what events_[0] has begun.
+  [[nodiscard]] bool wait_timed(CuHandle stream);
   [[nodiscard]] bool set_columns();
   [[nodiscard]] bool read_columns(std::uint32_t first);
   [[nodiscard]] bool spread_grid();

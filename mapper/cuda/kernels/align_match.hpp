@@ -44,7 +44,7 @@ inline G3D_GPU void match_step(const Block& block, const Memory& m, int step) {
       align::add_match(a.chosen[i], state.T_world_camera, question.rule, question.fit.kernel_m, question.fit.born_by_ns,
                        CardSurfaces{a}, own);
     }
-#pragma GCC unroll 6
+#pragma GCC unroll 21
     for (int i = 0; i < 21; ++i) s.sums[i][t] = own.upper[static_cast<std::size_t>(i)];
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i) s.sums[21 + i][t] = own.gradient[static_cast<std::size_t>(i)];

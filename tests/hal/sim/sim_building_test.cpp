@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "hal/frame_pool.hpp"
 #include "hal/kobuki/command.hpp"
@@ -241,6 +242,27 @@ TEST_CASE("drift comes by its scale and seed") {
   CHECK(a.base.gyro_bias_radps != c.base.gyro_bias_radps);
   CHECK(std::abs(a.base.left_scale - 1.0) < 0.02);
   CHECK(a.base.left_scale != a.base.right_scale);
+}
+
+TEST_CASE("rough drift is that of poses: both wheels alike, a bias, and a heading that walks") {
+  SimRobotOptions none;
+  add_drift(none, 0.0, 3, BaseDrift::rough);
+  CHECK(none.base.gyro_noise_radps == 0.0);
+  CHECK(none.base.seed == SimKobukiOptions{}.seed);
+  int left_turning = 0;
+  int short_wheels = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SimRobotOptions robot;
+    add_drift(robot, 1.0, seed, BaseDrift::rough);
+    CHECK(std::abs(robot.base.gyro_bias_radps) == Approx(0.3 * std::numbers::pi / 180.0));
+    CHECK(robot.base.left_scale == robot.base.right_scale);
+    CHECK(std::abs(robot.base.left_scale - 1.0) == Approx(0.02));
+    CHECK(robot.base.gyro_noise_radps == Approx(10.0 * 0.5 * std::numbers::pi / 180.0));
+    left_turning += robot.base.gyro_bias_radps > 0.0 ? 1 : 0;
+    short_wheels += robot.base.left_scale < 1.0 ? 1 : 0;
+  }
+  CHECK((left_turning > 3 && left_turning < 17));
+  CHECK((short_wheels > 3 && short_wheels < 17));
 }
 
 TEST_CASE("the scaled Kinect shows what the whole one shows") {

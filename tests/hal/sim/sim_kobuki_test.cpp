@@ -247,3 +247,18 @@ TEST_CASE("a noisy, late line loses packets but the base goes on") {
   CHECK(bench.got.size() < 490);
   CHECK(bench.reader.rejects().total() > 20);
 }
+
+TEST_CASE("noise of the gyro makes its angle walk by a tenth of its sigma in a second") {
+  double square_deg2 = 0.0;
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    SimKobukiOptions options;
+    options.seed = seed;
+    options.gyro_noise_radps = 10.0 * 0.5 * std::numbers::pi / 180.0;
+    Bench bench(options);
+    bench.run(4000);
+    const double angle_deg = bench.got.back().gyro_angle_cdeg / 100.0;
+    square_deg2 += angle_deg * angle_deg / 16.0;
+  }
+  CHECK(std::sqrt(square_deg2) > 0.6);
+  CHECK(std::sqrt(square_deg2) < 1.5);
+}

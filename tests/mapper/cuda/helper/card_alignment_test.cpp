@@ -63,9 +63,9 @@ TEST_CASE("a helper refuses cells beyond its table, and steps beyond its state",
   CHECK_FALSE(helper->import_cells(0, helper->alignment().cell_room + 1));
   *helper->alignment().question = {};
   helper->alignment().question->fit.most_steps = cuda::kMostFitSteps + 1;
-  CHECK_FALSE(helper->fit_frame());
+  CHECK((helper->begin_fit() && !helper->finish_fit()));
   helper->alignment().question->fit.most_steps = -1;
-  CHECK_FALSE(helper->fit_frame());
+  CHECK((helper->begin_fit() && !helper->finish_fit()));
   helper->alignment().question->swept_end = 65;
   CHECK_FALSE(helper->add_samples());
 }
