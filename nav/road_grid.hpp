@@ -36,6 +36,11 @@ class RoadGrid {
   [[nodiscard]] std::size_t size() const { return is_open_.size(); }
   /// Map cells along the side of a road cell.
   [[nodiscard]] int stride() const { return stride_; }
+  /// The body's middle may be there, and the road cell's way leads there.
+  [[nodiscard]] bool may_stand(const Cell& c) const {
+    return may_stand_[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(cell_columns_) +
+                      static_cast<std::size_t>(c.x)] == 2;
+  }
   [[nodiscard]] double step_m() const { return step_m_; }
   [[nodiscard]] bool is_open(std::size_t road) const { return is_open_[road] != 0; }
   [[nodiscard]] std::uint32_t road_of(Cell c) const {

@@ -59,6 +59,8 @@ void TourSearch::begin(Cell at, const hal::PlanarPose& robot, const std::optiona
   roads_.begin_travel(roads_.road_of(at), TravelField::kNever - 100, from_robot_);
   step_ = Step::travelling;
   is_ahead_ = true;
+  is_closer_ = false;
+  places_.look_closer(false);
 }
 
 void TourSearch::begin_refresh(const CellGrid<CellState>& ground) {
@@ -113,6 +115,10 @@ bool TourSearch::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
         if (tour_.views().empty() && ++level_ < kLevels) {
           begin_tour();
         } else if (tour_.views().empty() && (!places_.is_complete() || aside.wake_all())) {
+          begin_refresh(ground);
+        } else if (tour_.views().empty() && !is_closer_) {
+          is_closer_ = true;
+          places_.look_closer(true);
           begin_refresh(ground);
         } else {
           begin_explaining();

@@ -90,7 +90,8 @@ class TourSearch {
   hal::PlanarPose robot_;
   std::optional<KeptView> kept_;
   std::function<bool(const Place&)> allowed_;
-  int level_ = 0;  ///< of richness
+  int level_ = 0;           ///< of richness
+  bool is_closer_ = false;  ///< nothing was left to be seen, so it looks closer before it says so
   FrontiersLeft left_;
 
   bool has_changed_ = false;  ///< since work_ahead() began

@@ -12,6 +12,7 @@ namespace {
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
 constexpr int kLook_units = 250;
+constexpr float kLittle_cells = 12.0F;             // what shows less is looked at closer, when that is asked for
 constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
 }  // namespace
@@ -32,6 +33,8 @@ void Viewpoints::reset(const CellGrid<CellState>& ground, const RoadGrid& roads)
   newest_round_.assign(tiles, 0);
   near_frontier_.assign(tiles, 0);
   cast_in_.assign(places, 0);
+  closer_in_.assign(places, 0);
+  is_closer_ = false;
   visited_in_.assign(places, 0);
   slot_of_.assign(places, kNoSlot);
   slots_.resize(kMaxPlaces);
@@ -129,6 +132,14 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
         cast(ground, cost, roads, from_robot, camera, place);
       }
     }
+    if (is_closer_ && shows_little(place) && closer_in_[place] < newest_near_[tile_at(tx, ty)]) {
+      if (casts_left_ <= 0) {
+        is_complete_ = false;
+      } else {
+        --casts_left_;
+        budget.spend(kLook_units * cast_closer(ground, cost, roads, from_robot, camera, place));
+      }
+    }
     if (slot != kNoSlot) useful_.push_back(slot);
   }
   return true;
@@ -163,23 +174,55 @@ void Viewpoints::cast(const CellGrid<CellState>& ground, const CellGrid<std::uin
     best_road = r;
   }
   cast_in_[place] = round_;
+  Place found{best, best_road, 0.0F, {}};
+  if (best_cost < kNoPlace) camera.look(ground, best, found.gain);
+  for (const RayGain& ray : found.gain) found.total_cells += ray.cells;
+  keep(place, found);
+}
+
+void Viewpoints::keep(std::size_t place, const Place& found) {
   std::uint32_t& slot = slot_of_[place];
-  if (best_cost < kNoPlace && slot == kNoSlot && !free_slots_.empty()) {
+  const bool is_useful = found.total_cells >= 0.5F;
+  if (is_useful && slot == kNoSlot && !free_slots_.empty()) {
     slot = free_slots_.back();
     free_slots_.pop_back();
   }
-  if (best_cost < kNoPlace && slot != kNoSlot) {
-    Place& p = slots_[slot];
-    p.cell = best;
-    p.road = best_road;
-    camera.look(ground, best, p.gain);
-    p.total_cells = 0.0F;
-    for (const RayGain& ray : p.gain) p.total_cells += ray.cells;
+  if (slot == kNoSlot) return;
+  if (is_useful) {
+    slots_[slot] = found;
+    return;
   }
-  if (slot != kNoSlot && (best_cost == kNoPlace || slots_[slot].total_cells < 0.5F)) {
-    free_slots_.push_back(slot);
-    slot = kNoSlot;
+  free_slots_.push_back(slot);
+  slot = kNoSlot;
+}
+
+bool Viewpoints::shows_little(std::size_t place) const {
+  return slot_of_[place] == kNoSlot || slots_[slot_of_[place]].total_cells < kLittle_cells;
+}
+
+int Viewpoints::cast_closer(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
+                            const RoadGrid& roads, const TravelField& from_robot, const ViewGain& camera,
+                            std::size_t place) {
+  const int side = kRoadsPerPlace * roads.stride();
+  const int x0 = static_cast<int>(place) % place_columns_ * side;
+  const int y0 = static_cast<int>(place) / place_columns_ * side;
+  closer_in_[place] = round_;
+  int looks = 0;
+  Place best;
+  for (int y = y0; y < std::min(y0 + side, cost.rows); ++y) {
+    for (int x = x0; x < std::min(x0 + side, cost.columns); ++x) {
+      const Cell c{x, y};
+      Place found{c, static_cast<std::uint32_t>(y / roads.stride() * roads.columns() + x / roads.stride()), 0.0F, {}};
+      const bool is_reached = from_robot.distance[found.road] != TravelField::kNever;
+      if (!is_reached || !roads.may_stand(c) || cost.at(c) >= kNoPlace) continue;
+      ++looks;
+      camera.look(ground, c, found.gain);
+      for (const RayGain& ray : found.gain) found.total_cells += ray.cells;
+      if (found.total_cells > best.total_cells) best = found;
+    }
   }
+  if (best.total_cells >= kLittle_cells) keep(place, best);
+  return looks;
 }
 
 }  // namespace g3d::nav

@@ -85,3 +85,44 @@ TEST_CASE("work beyond the budget is done in the calls that follow") {
   REQUIRE(all.refresh(sim, {}, 100000));
   CHECK(f.places.useful().size() == all.places.useful().size());
 }
+
+TEST_CASE("what one cell alone sees through a slit is found by looking closer, and by nothing else") {
+  CellGrid<CellState> ground(0.05, 0.0, 0.0, 100, 100, CellState::unknown);
+  CellGrid<std::uint8_t> cost(0.05, 0.0, 0.0, 100, 100, 0);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      const bool is_wall = x < 20 || x >= 80 || y < 10 || y >= 50;
+      const bool is_slit = x == 50 && y >= 50 && y < 79;
+      const bool is_room = y >= 79 && x >= 30 && x < 70;
+      if (!is_room) ground.at({x, y}) = is_wall && !is_slit ? CellState::occupied : CellState::free;
+      cost.at({x, y}) = is_wall ? kLethalCost : std::uint8_t{0};
+    }
+  }
+  ViewGain camera(ViewModel{}, 0.05);
+  FrontierMap frontiers;
+  RoadGrid roads;
+  TravelField field;
+  Viewpoints places;
+  frontiers.reset(ground);
+  roads.reset(cost, 0.18);
+  roads.size_field(field);
+  places.reset(ground, roads);
+  roads.travel(roads.road_of({50, 30}), TravelField::kNever - 100, field);
+  const auto most_cells = [&] {
+    REQUIRE(places.refresh(ground, cost, roads, field, frontiers, camera, 100000));
+    float most = 0.0F;
+    for (const std::uint32_t slot : places.useful()) most = std::max(most, places.place(slot).total_cells);
+    return most;
+  };
+  const float from_cheapest = most_cells();
+  places.look_closer(true);
+  const float from_any = most_cells();
+  CAPTURE(from_cheapest, from_any);
+  CHECK(from_cheapest < 12.0F);
+  CHECK(from_any > 3.0F * from_cheapest);
+  places.look_closer(false);
+  CHECK(most_cells() == from_any);  // known until the map changes there
+  const std::uint32_t changed[] = {static_cast<std::uint32_t>(ground.index({50, 49}))};
+  places.note_changes(changed);
+  CHECK(most_cells() == from_cheapest);
+}
