@@ -60,7 +60,10 @@ nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& o
   config.T_world_start = T_world_start;
   config.robot_height_m = board.robot_height_m;
   config.align = align_options(options);
-  if (config.align) config.mapper.surface_slots = static_cast<std::uint32_t>(config.align->surface.slots);
+  if (config.align) {
+    config.align->surface.slots *= 2;  // an hour's drive, not a recording
+    config.mapper.surface_slots = static_cast<std::uint32_t>(config.align->surface.slots);
+  }
   nav::NavigatorConfig& navigator = config.navigator;
   navigator.ground.centre_x_m = T_world_start.x_m;
   navigator.ground.centre_y_m = T_world_start.y_m;

@@ -59,6 +59,7 @@ void write_alignment(JsonWriter& json, const AlignmentReport& alignment) {
   json.member("correction_max_rad", rounded_um(counts.largest_turn_rad))
       .member("correction_rms_rad", rounded_um(counts.turn_rms_rad()));
   json.member("surface_pieces", counts.surface_pieces).member("refused_samples", counts.refused_samples);
+  json.member("forgotten_pieces", counts.forgotten_pieces);
   json.end_object();
 }
 

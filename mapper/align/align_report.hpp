@@ -44,7 +44,8 @@ struct AlignReport {
   double shift_square_sum_m2 = 0.0;
   double turn_square_sum_rad2 = 0.0;
   std::uint64_t surface_pieces = 0;
-  std::uint64_t refused_samples = 0;  ///< the table of surfaces was full
+  std::uint64_t refused_samples = 0;   ///< the table of surfaces was full
+  std::uint64_t forgotten_pieces = 0;  ///< to make room for others
 
   void count(AlignOutcome outcome, const Vector6& correction, bool holds_shift, bool holds_turn);
   [[nodiscard]] std::uint64_t corrected() const;

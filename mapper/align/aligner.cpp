@@ -58,6 +58,9 @@ FitQuestion Aligner::question_of(const hal::Pose& predicted, const Matrix6& prio
 }
 
 void Aligner::sample_and_fit(const hal::Frame& frame, const FitQuestion& question) {
+  const std::size_t forgotten = surfaces_.make_room();
+  report_.forgotten_pieces += forgotten;
+  if (forgotten > 0 && card_ != nullptr) card_->forget_surfaces();
   is_on_card_ = card_ != nullptr && card_->fit(frame, samples_.shape(), surfaces_, question, fitted_);
   if (is_on_card_) return;
   samples_.compute(frame.depth.get());

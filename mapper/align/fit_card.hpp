@@ -20,6 +20,8 @@ struct CardFit {
 class FitCard {
  public:
   virtual ~FitCard() = default;
+  /// The mirror was changed by others than add(): the card is to have it anew.
+  virtual void forget_surfaces() = 0;
   /// The frame's samples, fitted. False: there is no card, or it was lost now.
   [[nodiscard]] virtual bool fit(const hal::Frame& frame, const SampleShape& shape, const SurfaceMap& mirror,
                                  const FitQuestion& question, CardFit& fitted) = 0;

@@ -2,6 +2,7 @@
 #include "mapper/align/surface_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <vector>
 
@@ -81,6 +82,52 @@ void SurfaceMap::forget_gone(const SeenSpace& space) {
     if (home >= next_swept_ && home < end) forget_if_gone(cell, space);
   }
   next_swept_ = end == table_.size() ? 0 : end;
+}
+
+bool SurfaceMap::is_poor(const SurfaceCell& cell) const {
+  constexpr std::uint32_t kLately_frames = 100;
+  constexpr std::int32_t kPoorWeight = 16;
+  if (frame_ - cell.frame <= kLately_frames) return false;
+  SurfacePiece piece;
+  return cell.born_ns == kUnsteady || cell.weight < kPoorWeight || !piece_of(options_.rule, cell, piece);
+}
+
+std::size_t SurfaceMap::make_room() {
+  const std::size_t before = count_;
+  if (count_ * 5 < table_.size() * 3) return 0;
+  // How many good cells were seen last in each part of the time so far.
+  constexpr std::uint64_t kParts = 1024;
+  std::array<std::size_t, kParts> seen_last{};
+  const auto part_of = [&](std::uint32_t frame) { return kParts * frame / (std::uint64_t{frame_} + 1); };
+  for (const SurfaceCell& cell : table()) {
+    if (cell.key != 0 && !is_poor(cell)) ++seen_last[part_of(cell.frame)];
+  }
+  std::uint64_t oldest = kParts;
+  for (std::size_t kept = 0; oldest > 0; --oldest) {
+    kept += seen_last[oldest - 1];
+    if (oldest < kParts && kept * 5 > table_.size() * 2) break;
+  }
+  const bool drops_old = oldest > 0;
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const auto goes = [&](const SurfaceCell& cell) {
+      return cell.key != 0 && (is_poor(cell) || (drops_old && part_of(cell.frame) < oldest));
+    };
+    while (goes(table_[i])) erase(i);
+  }
+  return before - count_;
+}
+
+// Cells behind it move up, so that every key is found from its home on without a gap (Knuth, 6.4, algorithm R).
+void SurfaceMap::erase(std::size_t slot) {
+  unsteady_ -= table_[slot].born_ns == kUnsteady ? 1 : 0;
+  --count_;
+  for (std::size_t at = (slot + 1) & mask_; table_[at].key != 0; at = (at + 1) & mask_) {
+    const std::size_t home = home_of(table_[at].key, mask_);
+    if (((at - home) & mask_) < ((at - slot) & mask_)) continue;
+    table_[slot] = table_[at];
+    slot = at;
+  }
+  table_[slot] = {};
 }
 
 bool SurfaceMap::take(std::span<const SurfaceCell> changed, std::uint64_t refused, bool was_swept) {

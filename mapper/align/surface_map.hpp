@@ -41,6 +41,10 @@ class SurfaceMap {
   /// A frame adds cells if the table was less than three quarters full before it: whoever comes first among its
   /// samples.
   [[nodiscard]] bool takes_new_cells() const { return count_ * 4 < table_.size() * 3; }
+  /// Once the table is three fifths full: forgets what is no piece (yet) or a poor one and has not been seen lately; if
+  /// that is not enough also what has not been seen for longest, down to two fifths. Which cells go does not depend on
+  /// where in the table they lie. Takes some hundredths of a second, then not again for long. Returns how many.
+  std::size_t make_room();
   void clear();
   /// Every piece goes where the correction of the time of its birth takes it. Those that came into free space or have
   /// left are forgotten: they would be found out again. Allocates.
@@ -83,6 +87,8 @@ class SurfaceMap {
   /// The cell of a key, or the empty one where it belongs.
   [[nodiscard]] SurfaceCell& cell_for(std::uint64_t key);
   static void add_to(SurfaceCell& cell, const CellPlace& place, const Vector3f& normal, std::int32_t weight);
+  [[nodiscard]] bool is_poor(const SurfaceCell& cell) const;
+  void erase(std::size_t slot);
   void forget_if_gone(SurfaceCell& cell, const SeenSpace& space);
 
   SurfaceOptions options_;

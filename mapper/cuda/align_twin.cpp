@@ -8,7 +8,9 @@ namespace g3d::mapper::cuda {
 
 bool AlignTwin::can(Card& card, const align::SampleShape& shape, const align::SurfaceMap& mirror,
                     const align::FitQuestion& question) {
-  return card.surface_slots() == mirror.table().size() && shape.most_chosen >= 0 &&
+  // Threads look for an empty slot until they find one: there must be some, whatever one frame adds.
+  const auto tiles = static_cast<std::size_t>(shape.columns) * static_cast<std::size_t>(shape.rows);
+  return card.surface_slots() == mirror.table().size() && 4 * tiles < mirror.table().size() && shape.most_chosen >= 0 &&
          static_cast<std::uint32_t>(shape.most_chosen) <= kMostChosen && question.most_steps >= 0 &&
          question.most_steps <= kMostFitSteps;
 }

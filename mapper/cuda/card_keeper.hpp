@@ -34,6 +34,7 @@ class CardKeeper final : public align::FitCard {
   /// See Twin. False: there is no card, or it was lost, and the CPU twin answers.
   [[nodiscard]] bool cast_rays(std::span<const BulkRay> rays, std::span<BulkHit> hits);
   [[nodiscard]] bool count_looks(const LookModel& model, std::span<Look> looks);
+  void forget_surfaces() override { align_twin_.forget_card(); }
   // Between finish() and begin(), if the configuration has surface_slots
   [[nodiscard]] bool fit(const hal::Frame& frame, const align::SampleShape& shape, const align::SurfaceMap& mirror,
                          const align::FitQuestion& question, align::CardFit& fitted) override;

@@ -88,6 +88,7 @@ struct Rig final : align::FitCard {
     touched += helper->alignment().state->touched;
     return done;
   }
+  void forget_surfaces() override { align_twin.forget_card(); }
   void integrate(const hal::Frame& frame, const hal::Pose& pose) {
     const auto geometry = cpu::frame_geometry(sensor, hal::to_transform(pose));
     FrameReport report;

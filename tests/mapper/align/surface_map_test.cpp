@@ -157,3 +157,78 @@ TEST_CASE(
   CHECK(map.piece_count() == 0);
   CHECK_FALSE(map.find({-0.03F, 2.03F, 0.03F}, {0, -1, 0}));
 }
+
+namespace {
+
+/// One cell of surface, seen `times` times; sure of itself from a few on.
+void show(SurfaceMap& map, int x, int y, int times) {
+  const std::vector<DepthSample> sample(
+      static_cast<std::size_t>(times),
+      {{0.05F * (static_cast<float>(x) + 0.5F), 0.05F * (static_cast<float>(y) + 0.5F), 0.5F}, {-1, 0, 0}, 0.5F});
+  map.add(sample, {});
+}
+
+bool knows(const SurfaceMap& map, int x, int y) {
+  return map.find({0.05F * (static_cast<float>(x) + 0.5F), 0.05F * (static_cast<float>(y) + 0.5F), 0.5F}, {-1, 0, 0})
+      .has_value();
+}
+
+/// Seen once, all in one frame, and hardly to be seen at all.
+void show_poor(SurfaceMap& map, int count) {
+  std::vector<DepthSample> poor;
+  for (int i = 0; i < count; ++i) {
+    poor.push_back({{0.05F * (static_cast<float>(i) + 0.5F), 1.0F, 0.5F}, {-1, 0, 0}, 0.01F});
+  }
+  map.add(poor, {});
+}
+
+}  // namespace
+
+TEST_CASE("in a table that fills with good pieces those go that have not been seen for longest", "[mapper][align]") {
+  SurfaceMap map({.rule = {.cell_m = 0.05F}, .slots = 1024});
+  for (int i = 0; i < 500; ++i) show(map, i, 0, 4);
+  CHECK(map.make_room() == 0);  // of 1024
+  show_poor(map, 120);
+  CHECK(map.make_room() > 80);  // what is poor was seen just now
+  CHECK(map.piece_count() <= 410 + 120);
+  CHECK_FALSE(knows(map, 0, 0));
+  CHECK(knows(map, 499, 0));
+  for (int i = 1; i < 500; ++i) REQUIRE(knows(map, i, 0) >= knows(map, i - 1, 0));
+}
+
+TEST_CASE("poor pieces that were not seen lately are forgotten first, and others are found as before",
+          "[mapper][align]") {
+  SurfaceMap map({.rule = {.cell_m = 0.05F}, .slots = 1024});
+  show_poor(map, 450);
+  for (int i = 0; i < 200; ++i) show(map, i, 0, 4);
+  CHECK(map.make_room() == 450);
+  CHECK(map.piece_count() == 200);
+  for (int i = 0; i < 300; ++i) show(map, i, 8, 4);  // there is room again, and no key is lost
+  for (int i = 0; i < 200; ++i) REQUIRE(knows(map, i, 0));
+  for (int i = 0; i < 300; ++i) REQUIRE(knows(map, i, 8));
+}
+
+TEST_CASE("which pieces are forgotten does not depend on the order in which they came", "[mapper][align]") {
+  SurfaceMap a(small());
+  SurfaceMap b(small());
+  std::mt19937 random(3);
+  std::size_t forgotten = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    auto samples = wall(1.0F + 0.06F * static_cast<float>(frame), -1.0F, 1500, 0.01, static_cast<std::uint64_t>(frame));
+    const std::size_t of_a = a.make_room();
+    CHECK(b.make_room() == of_a);
+    forgotten += of_a;
+    a.add(samples, {});
+    std::shuffle(samples.begin(), samples.end(), random);
+    b.add(samples, {});
+  }
+  CHECK(forgotten > 1000);
+  REQUIRE(a.piece_count() == b.piece_count());
+  for (const SurfaceCell& cell : a.table()) {
+    if (cell.key == 0) continue;
+    const SurfaceCell* other = b.look_up(cell.key);
+    REQUIRE(other != nullptr);
+    CHECK(other->weight == cell.weight);
+    CHECK(other->frame == cell.frame);
+  }
+}

@@ -43,6 +43,7 @@ struct EmulatedFit final : align::FitCard {
     return answered(card != nullptr && (!looks_at_map || mapper.twin.send_changes()) &&
                     twin.add(*card, T, stamp_ns, looks_at_map, mapper.config.resolution_m, mirror));
   }
+  void forget_surfaces() override { twin.forget_card(); }
   bool answered(bool by_card) {
     if (!by_card) card.reset();
     ++(by_card ? answers : refusals);
@@ -195,12 +196,47 @@ TEST_CASE("a card that lies about a fit or its cells is lost, and nothing of it 
 }
 
 TEST_CASE("a full table refuses the same samples on both sides", "[mapper][align][cuda]") {
+  align::SurfaceOptions options;
+  options.slots = kSlots;
+  align::SurfaceMap of_card(options);
+  align::SurfaceMap of_cpu(options);
+  std::vector<align::DepthSample> many;
+  for (int i = 0; many.size() < kSlots * 3 / 4; ++i) {
+    const auto along = [](int k) { return 0.08F * static_cast<float>(k) + 0.04F; };
+    many.push_back({{along(i % 400), along(i / 400), -5.0F}, {0, 0, -1}, 0.5F});
+  }
+  of_card.add(many, {});
+  of_cpu.add(many, {});
+  REQUIRE_FALSE(of_card.takes_new_cells());
+
+  test::EmulatedMapper emulated(Drive::config(), kCamera, 1);
+  cuda::AlignTwin twin;
+  align::DepthSamples samples(kCamera);
+  hal::SimRenderer renderer(hal::parse_world("room 0 0 0 6 5 2.5 0.1\n", "test.world").value(), {.camera = kCamera});
+  hal::Frame frame = hal::make_frame(kCamera);
+  const hal::Pose pose = hal::forward_camera(0.5);
+  renderer.render(pose, 0, 1, frame);
+  samples.compute(frame.depth.get());
+  align::FitQuestion question;
+  question.predicted = pose;
+  align::CardFit fitted;
+  REQUIRE(twin.fit(*emulated.card, frame, samples.shape(), of_card, question, fitted));
+  CHECK(fitted.chosen == samples.chosen().size());
+  REQUIRE(twin.add(*emulated.card, hal::to_transform(pose), 5, false, 0.05F, of_card));
+  of_cpu.add(samples.all(), hal::to_transform(pose), 5);
+  CHECK(of_cpu.refused() > 100);
+  CHECK(of_card.refused() == of_cpu.refused());
+  CHECK(of_card.piece_count() == of_cpu.piece_count());
+}
+
+TEST_CASE("a table that fills is made room in, and the card has it anew", "[mapper][align][cuda]") {
   align::AlignOptions options = Drive::options();
-  options.surface.rule.cell_m = 0.004F;  // nearly every sample has its own
+  options.surface.rule.cell_m = 0.006F;
   Drive drive(options);
-  while (drive.by_cpu.surfaces().takes_new_cells() && drive.number < 60) drive.step(false);
-  for (int i = 0; i < 2; ++i) drive.step(false);
-  CHECK(drive.by_card.surfaces().refused() > 100);
+  for (int i = 0; i < 60; ++i) drive.step(false);
+  CHECK(drive.by_card.report().forgotten_pieces > 1000);
+  CHECK(drive.by_card.report().forgotten_pieces == drive.by_cpu.report().forgotten_pieces);
+  CHECK(drive.fit.answers == 120);
 }
 
 TEST_CASE("what a card has no room for is left to the CPU", "[mapper][align][cuda]") {
