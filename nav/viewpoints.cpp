@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nav/tight_places.hpp"
 
@@ -12,7 +13,10 @@ namespace {
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
 constexpr int kLook_units = 250;
-constexpr float kLittle_cells = 12.0F;             // what shows less is looked at closer, when that is asked for
+// Looking closer: from every so many-th frontier cell, in so many directions.
+constexpr std::size_t kFrontierCells = 3;
+constexpr int kDirections = 120;
+constexpr int kStepsPerUnit = 40;
 constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
 }  // namespace
@@ -34,7 +38,9 @@ void Viewpoints::reset(const CellGrid<CellState>& ground, const RoadGrid& roads)
   near_frontier_.assign(tiles, 0);
   cast_in_.assign(places, 0);
   closer_in_.assign(places, 0);
-  is_closer_ = false;
+  seen_by_them_.assign(ground.cells.size(), 0);
+  frontier_cells_.clear();
+  look_closer(false);
   visited_in_.assign(places, 0);
   slot_of_.assign(places, kNoSlot);
   slots_.resize(kMaxPlaces);
@@ -100,10 +106,15 @@ void Viewpoints::begin_refresh(const FrontierMap& frontiers, const ViewGain& cam
   casts_left_ = max_casts;
   next_ = 0;
   ++pass_;
+  if (!is_closer_ || is_marked_) return;
+  const auto cells = frontiers.cells();
+  frontier_cells_.clear();
+  for (std::size_t i = 0; i < cells.size(); i += kFrontierCells) frontier_cells_.push_back(cells[i]);
 }
 
 bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                        const TravelField& from_robot, const ViewGain& camera, WorkBudget& budget) {
+  if (is_closer_ && !is_marked_) mark_seen_by_frontiers(ground, camera.model(), budget);
   for (; next_ < from_robot.reached.size(); ++next_) {
     if (budget.is_spent()) return false;
     budget.spend(1);
@@ -132,7 +143,7 @@ bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
         cast(ground, cost, roads, from_robot, camera, place);
       }
     }
-    if (is_closer_ && shows_little(place) && closer_in_[place] < newest_near_[tile_at(tx, ty)]) {
+    if (is_closer_ && slot == kNoSlot && closer_in_[place] < newest_near_[tile_at(tx, ty)]) {
       if (casts_left_ <= 0) {
         is_complete_ = false;
       } else {
@@ -196,8 +207,28 @@ void Viewpoints::keep(std::size_t place, const Place& found) {
   slot = kNoSlot;
 }
 
-bool Viewpoints::shows_little(std::size_t place) const {
-  return slot_of_[place] == kNoSlot || slots_[slot_of_[place]].total_cells < kLittle_cells;
+void Viewpoints::mark_seen_by_frontiers(const CellGrid<CellState>& ground, const ViewModel& camera,
+                                        WorkBudget& budget) {
+  is_marked_ = true;
+  std::fill(seen_by_them_.begin(), seen_by_them_.end(), std::uint8_t{0});
+  const int near_cells = static_cast<int>(camera.near_m / ground.resolution_m);
+  const int far_cells = static_cast<int>(camera.far_m / ground.resolution_m);
+  std::int64_t steps = 0;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle_rad = 2.0 * std::numbers::pi * k / kDirections;
+    const double dx = std::cos(angle_rad);
+    const double dy = std::sin(angle_rad);
+    for (const std::uint32_t from : frontier_cells_) {
+      const double x0 = static_cast<int>(from) % columns_ + 0.5;
+      const double y0 = static_cast<int>(from) / columns_ + 0.5;
+      for (int step = 1; step <= far_cells; ++step, ++steps) {
+        const Cell c{static_cast<int>(std::floor(x0 + step * dx)), static_cast<int>(std::floor(y0 + step * dy))};
+        if (!ground.contains(c) || ground.at(c) != CellState::free) break;
+        if (step >= near_cells) seen_by_them_[ground.index(c)] = 1;
+      }
+    }
+  }
+  budget.spend(steps / kStepsPerUnit);
 }
 
 int Viewpoints::cast_closer(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost,
@@ -213,6 +244,7 @@ int Viewpoints::cast_closer(const CellGrid<CellState>& ground, const CellGrid<st
     for (int x = x0; x < std::min(x0 + side, cost.columns); ++x) {
       const Cell c{x, y};
       Place found{c, static_cast<std::uint32_t>(y / roads.stride() * roads.columns() + x / roads.stride()), 0.0F, {}};
+      if (seen_by_them_[ground.index(c)] == 0) continue;
       const bool is_reached = from_robot.distance[found.road] != TravelField::kNever;
       if (!is_reached || !roads.may_stand(c) || cost.at(c) >= kNoPlace) continue;
       ++looks;
@@ -221,7 +253,7 @@ int Viewpoints::cast_closer(const CellGrid<CellState>& ground, const CellGrid<st
       if (found.total_cells > best.total_cells) best = found;
     }
   }
-  if (best.total_cells >= kLittle_cells) keep(place, best);
+  if (looks > 0) keep(place, best);
   return looks;
 }
 

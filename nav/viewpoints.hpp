@@ -39,9 +39,12 @@ class Viewpoints {
                            const TravelField& from_robot, const ViewGain& camera, WorkBudget& budget);
   [[nodiscard]] bool is_complete() const { return is_complete_; }
 
-  /// Until told otherwise, refreshing also looks from every cell of those places that show little from their cheapest
-  /// one: through a slit there may be one cell alone that looks in. It takes some thirty looks for each.
-  void look_closer(bool closer) { is_closer_ = closer; }
+  /// Until told otherwise, refreshing also looks from cells that frontiers see, where their place shows nothing from
+  /// its cheapest one: through a slit there may be one cell alone that looks in.
+  void look_closer(bool closer) {
+    is_closer_ = closer;
+    is_marked_ = false;
+  }
 
   /// Those that would show something and can be reached, nearest first; indices for place().
   [[nodiscard]] std::span<const std::uint32_t> useful() const { return useful_; }
@@ -62,7 +65,7 @@ class Viewpoints {
   /// From all cells of a place; returns how many looks that took.
   int cast_closer(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                   const TravelField& from_robot, const ViewGain& camera, std::size_t place);
-  [[nodiscard]] bool shows_little(std::size_t place) const;
+  void mark_seen_by_frontiers(const CellGrid<CellState>& ground, const ViewModel& camera, WorkBudget& budget);
   void keep(std::size_t place, const Place& found);
 
   int columns_ = 0;  ///< of the map
@@ -84,7 +87,10 @@ class Viewpoints {
   std::vector<std::uint32_t> cast_in_;       ///< per place: round of its last cast, 0: never
   std::vector<std::uint32_t> closer_in_;     ///< the same from all its cells
   bool is_closer_ = false;
-  std::vector<std::uint32_t> visited_in_;  ///< per place: pass
+  bool is_marked_ = false;                     ///< for looking closer:
+  std::vector<std::uint32_t> frontier_cells_;  ///< some
+  std::vector<std::uint8_t> seen_by_them_;     ///< per map cell
+  std::vector<std::uint32_t> visited_in_;      ///< per place: pass
   std::vector<std::uint32_t> slot_of_;
   std::vector<Place> slots_;
   std::vector<std::uint32_t> free_slots_;
