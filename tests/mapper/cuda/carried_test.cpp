@@ -79,8 +79,26 @@ TEST_CASE("the kernels need nothing from elsewhere, and are small enough to be c
 
 TEST_CASE("no kernel fuses or approximates, so that both twins round alike") {
   const std::string_view kernels = carried_kernels();
-  for (const char* forbidden : {"fma.", "mad.f32", ".approx", ".ftz", "\tmul.f32", "\tadd.f32", "\tsub.f32", ".f64"}) {
+  for (const char* forbidden : {"fma.", "mad.f32", ".approx", ".ftz", "\tmul.f32", "\tadd.f32", "\tsub.f32",
+                                "\tmul.f64", "\tadd.f64", "\tsub.f64"}) {
     INFO(forbidden);
     CHECK(kernels.find(forbidden) == std::string_view::npos);
   }
+}
+
+TEST_CASE("only what solves for a pose computes in double precision, by one thread: robots' cards are slow at it") {
+  const std::string_view kernels = carried_kernels();
+  constexpr std::string_view kEntry = ".visible .entry ";
+  int others = 0;
+  for (std::size_t at = kernels.find(kEntry); at != std::string_view::npos;) {
+    const std::size_t next = kernels.find(kEntry, at + kEntry.size());
+    const std::string_view kernel = kernels.substr(at, next - at);
+    const std::string_view name = kernel.substr(kEntry.size(), kernel.find('(') - kEntry.size());
+    const bool solves = name == "match_step_kernel" || name == "read_tiles_kernel";
+    INFO(name);
+    CHECK((kernel.find(".f64") != std::string_view::npos) == solves);
+    others += solves ? 0 : 1;
+    at = next;
+  }
+  CHECK(others > 20);
 }
