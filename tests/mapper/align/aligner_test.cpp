@@ -200,7 +200,7 @@ TEST_CASE("a mount whose pitch is two degrees off does not spoil the plane", "[m
   CHECK(test::trajectory_error(expected, run.poses).ate_m < 0.6 * test::trajectory_error(d.truth, odometry).ate_m);
 }
 
-TEST_CASE("without odometry a hand-held camera is followed by what it sees", "[mapper][align]") {
+TEST_CASE("without odometry a hand-held camera is followed by what it sees", "[mapper][align][slow]") {
   const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 40);
   auto still = d.truth;
   for (auto& pose : still) pose.T_world_camera = d.truth.front().T_world_camera;

@@ -39,7 +39,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE("a rough guess is put right to less than a voxel", "[mapper][align]") {
+TEST_CASE("a rough guess is put right to less than a voxel", "[mapper][align][slow]") {
   const Pair pair("furnished_room", 1, "furnished_room", 2);
   for (const auto& [shift_m, turn_deg] : {std::pair{0.0, 0.0}, {0.3, 10.0}, {1.0, -30.0}}) {
     const hal::Pose guess =
@@ -65,7 +65,7 @@ TEST_CASE("a place is found without any guess when that is asked for", "[mapper]
   CHECK(shift_of(difference(pair.truth(), found.T_a_b)) < 0.04);
 }
 
-TEST_CASE("maps of different buildings are not joined", "[mapper][align]") {
+TEST_CASE("maps of different buildings are not joined", "[mapper][align][slow]") {
   const Pair pair("house", 1, "lab", 2);
   const MapAlignment found = align_maps(pair.surfaces_a, pair.surfaces_b, {});
   INFO(to_string(found.outcome) << ", overlap " << found.overlap);

@@ -229,7 +229,7 @@ TEST_CASE("a full table refuses the same samples on both sides", "[mapper][align
   CHECK(of_card.piece_count() == of_cpu.piece_count());
 }
 
-TEST_CASE("a table that fills is made room in, and the card has it anew", "[mapper][align][cuda]") {
+TEST_CASE("a table that fills is made room in, and the card has it anew", "[mapper][align][cuda][slow]") {
   align::AlignOptions options = Drive::options();
   options.surface.rule.cell_m = 0.006F;
   Drive drive(options);
