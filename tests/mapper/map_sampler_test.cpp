@@ -38,7 +38,7 @@ TEST_CASE("a map that stands where the grid does is taken block by block, as it 
   CHECK(std::all_of(found.begin(), found.end(), [](Rgbo v) { return v == kUnknownRgbo; }));
 }
 
-TEST_CASE("a map that is turned is looked up at the centre of each voxel, and no block of it is missed") {
+TEST_CASE("a map that is turned is looked up at the centre of each voxel, and no block of it is missed", "[slow]") {
   const auto map = tests::furnished_room(0.05F);
   const hal::Pose T_world_map = hal::from_xyz_rpy(0.31, -0.12, 0.07, 0.0, 0.0, 0.4);
   const hal::Pose T_world_target = hal::from_xyz_rpy(-0.2, 0.5, 0.0, 0.0, 0.1, -1.1);

@@ -67,7 +67,8 @@ TEST_CASE("searched rays give the map of the plain walk, bit by bit") {
   }
 }
 
-TEST_CASE("searched rays give the map of walked ones, wherever the camera is and however large voxels appear") {
+TEST_CASE("searched rays give the map of walked ones, wherever the camera is and however large voxels appear",
+          "[slow]") {
   for (const float resolution_m : {0.03F, 0.05F, 0.11F, 0.5F}) {
     for (const int width_px : {40, 120}) {
       hal::CameraModel camera = test::small_camera(width_px);

@@ -40,7 +40,7 @@ TEST_CASE("what is seen again is found where it truly is, however far odometry i
   CHECK(worst_m < 0.08);
 }
 
-TEST_CASE("neighbours in time are no candidates, nor is what lies out of reach") {
+TEST_CASE("neighbours in time are no candidates, nor is what lies out of reach", "[slow]") {
   const test::DriveTwice twice = test::twice_through_a_room();
   test::UnalignedDrive drive(twice, hal::robot_drift(1, 0.0));
   FinderOptions options;

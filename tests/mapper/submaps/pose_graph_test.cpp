@@ -138,7 +138,7 @@ TEST_CASE("a graph without edges, or with a single node, is left alone") {
   CHECK(graph.nodes()[1].translation_m[1] == 2.0);
 }
 
-TEST_CASE("five hundred nodes and a hundred loops take a fraction of a second") {
+TEST_CASE("five hundred nodes and a hundred loops take a fraction of a second", "[slow]") {
   const auto truth = ring(500, 40.0);
   PoseGraph graph = drifting(truth, 0.0005);
   for (std::uint32_t i = 0; i < 100; ++i) graph.add_edge(loop(truth, 2 * i, 500 - 1 - i));
