@@ -13,8 +13,9 @@ namespace {
 constexpr double kTile_m = 1.0;
 constexpr int kRoadsPerPlace = 2;
 constexpr int kLook_units = 250;
-// Looking closer: from every so many-th frontier cell, in so many directions.
-constexpr std::size_t kFrontierCells = 3;
+// Looking closer: from every third frontier cell, fewer if there are very many, in so many directions.
+constexpr std::size_t kLeastStride = 3;
+constexpr std::size_t kMostFrontierCells = 4096;
 constexpr int kDirections = 120;
 constexpr int kStepsPerUnit = 40;
 constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
@@ -40,6 +41,7 @@ void Viewpoints::reset(const CellGrid<CellState>& ground, const RoadGrid& roads)
   closer_in_.assign(places, 0);
   seen_by_them_.assign(ground.cells.size(), 0);
   frontier_cells_.clear();
+  frontier_cells_.reserve(kMostFrontierCells);
   look_closer(false);
   visited_in_.assign(places, 0);
   slot_of_.assign(places, kNoSlot);
@@ -106,15 +108,20 @@ void Viewpoints::begin_refresh(const FrontierMap& frontiers, const ViewGain& cam
   casts_left_ = max_casts;
   next_ = 0;
   ++pass_;
-  if (!is_closer_ || is_marked_) return;
+  if (!is_closer_ || marked_directions_ > 0) return;
   const auto cells = frontiers.cells();
+  const std::size_t stride = std::max(kLeastStride, cells.size() / kMostFrontierCells + 1);
   frontier_cells_.clear();
-  for (std::size_t i = 0; i < cells.size(); i += kFrontierCells) frontier_cells_.push_back(cells[i]);
+  for (std::size_t i = 0; i < cells.size(); i += stride) frontier_cells_.push_back(cells[i]);
+  std::fill(seen_by_them_.begin(), seen_by_them_.end(), std::uint8_t{0});
 }
 
 bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                        const TravelField& from_robot, const ViewGain& camera, WorkBudget& budget) {
-  if (is_closer_ && !is_marked_) mark_seen_by_frontiers(ground, camera.model(), budget);
+  while (is_closer_ && marked_directions_ < kDirections) {
+    if (budget.is_spent()) return false;
+    mark_seen_by_frontiers(ground, camera.model(), budget);
+  }
   for (; next_ < from_robot.reached.size(); ++next_) {
     if (budget.is_spent()) return false;
     budget.spend(1);
@@ -209,23 +216,19 @@ void Viewpoints::keep(std::size_t place, const Place& found) {
 
 void Viewpoints::mark_seen_by_frontiers(const CellGrid<CellState>& ground, const ViewModel& camera,
                                         WorkBudget& budget) {
-  is_marked_ = true;
-  std::fill(seen_by_them_.begin(), seen_by_them_.end(), std::uint8_t{0});
   const int near_cells = static_cast<int>(camera.near_m / ground.resolution_m);
   const int far_cells = static_cast<int>(camera.far_m / ground.resolution_m);
+  const double angle_rad = 2.0 * std::numbers::pi * marked_directions_++ / kDirections;
+  const double dx = std::cos(angle_rad);
+  const double dy = std::sin(angle_rad);
   std::int64_t steps = 0;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle_rad = 2.0 * std::numbers::pi * k / kDirections;
-    const double dx = std::cos(angle_rad);
-    const double dy = std::sin(angle_rad);
-    for (const std::uint32_t from : frontier_cells_) {
-      const double x0 = static_cast<int>(from) % columns_ + 0.5;
-      const double y0 = static_cast<int>(from) / columns_ + 0.5;
-      for (int step = 1; step <= far_cells; ++step, ++steps) {
-        const Cell c{static_cast<int>(std::floor(x0 + step * dx)), static_cast<int>(std::floor(y0 + step * dy))};
-        if (!ground.contains(c) || ground.at(c) != CellState::free) break;
-        if (step >= near_cells) seen_by_them_[ground.index(c)] = 1;
-      }
+  for (const std::uint32_t from : frontier_cells_) {
+    const double x0 = static_cast<int>(from) % columns_ + 0.5;
+    const double y0 = static_cast<int>(from) / columns_ + 0.5;
+    for (int step = 1; step <= far_cells; ++step, ++steps) {
+      const Cell c{static_cast<int>(std::floor(x0 + step * dx)), static_cast<int>(std::floor(y0 + step * dy))};
+      if (!ground.contains(c) || ground.at(c) != CellState::free) break;
+      if (step >= near_cells) seen_by_them_[ground.index(c)] = 1;
     }
   }
   budget.spend(steps / kStepsPerUnit);

@@ -43,7 +43,7 @@ class Viewpoints {
   /// its cheapest one: through a slit there may be one cell alone that looks in.
   void look_closer(bool closer) {
     is_closer_ = closer;
-    is_marked_ = false;
+    marked_directions_ = 0;
   }
 
   /// Those that would show something and can be reached, nearest first; indices for place().
@@ -65,6 +65,7 @@ class Viewpoints {
   /// From all cells of a place; returns how many looks that took.
   int cast_closer(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                   const TravelField& from_robot, const ViewGain& camera, std::size_t place);
+  /// In the next direction.
   void mark_seen_by_frontiers(const CellGrid<CellState>& ground, const ViewModel& camera, WorkBudget& budget);
   void keep(std::size_t place, const Place& found);
 
@@ -87,8 +88,9 @@ class Viewpoints {
   std::vector<std::uint32_t> cast_in_;       ///< per place: round of its last cast, 0: never
   std::vector<std::uint32_t> closer_in_;     ///< the same from all its cells
   bool is_closer_ = false;
-  bool is_marked_ = false;                     ///< for looking closer:
-  std::vector<std::uint32_t> frontier_cells_;  ///< some
+  // For looking closer
+  int marked_directions_ = 0;
+  std::vector<std::uint32_t> frontier_cells_;  ///< some, evenly
   std::vector<std::uint8_t> seen_by_them_;     ///< per map cell
   std::vector<std::uint32_t> visited_in_;      ///< per place: pass
   std::vector<std::uint32_t> slot_of_;

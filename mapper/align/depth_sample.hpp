@@ -19,6 +19,11 @@ using Vector3f = std::array<float, 3>;
           m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
 }
 
+[[nodiscard]] inline Vector3f transformed(const hal::RigidTransform& T, const Vector3f& point_m) {
+  const Vector3f arm_m = rotated(T, point_m);
+  return {arm_m[0] + T.translation_m[0], arm_m[1] + T.translation_m[1], arm_m[2] + T.translation_m[2]};
+}
+
 struct DepthSample {
   Vector3f point_m;     ///< camera frame
   Vector3f normal;      ///< unit, towards the camera

@@ -169,8 +169,7 @@ Agreement agreement(const std::vector<DepthSample>& samples, const MapSurfaces& 
   Agreement result;
   const hal::RigidTransform T = hal::to_transform(T_with_samples);
   for (const DepthSample& sample : samples) {
-    const Vector3f arm = rotated(T, sample.point_m);
-    const Vector3f at{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]};
+    const Vector3f at = transformed(T, sample.point_m);
     const auto piece = with.fine().find(at, rotated(T, sample.normal));
     if (piece && std::abs(dot(piece->normal, {at[0] - piece->point_m[0], at[1] - piece->point_m[1],
                                               at[2] - piece->point_m[2]})) <= with.tolerance_m()) {

@@ -34,8 +34,7 @@ void SurfaceMap::add(std::span<const DepthSample> samples, const hal::RigidTrans
   const bool takes_new = takes_new_cells();
   for (const DepthSample& sample : samples) {
     if (sample.weight < options_.rule.least_sample_weight) continue;
-    const Vector3f arm = rotated(T, sample.point_m);
-    const Vector3f point_m{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]};
+    const Vector3f point_m = transformed(T, sample.point_m);
     const Vector3f n = rotated(T, sample.normal);
     CellPlace place;
     if (!place_of(options_.rule, point_m, place)) {
@@ -107,10 +106,9 @@ std::size_t SurfaceMap::make_room() {
     kept += seen_last[oldest - 1];
     if (oldest < kParts && kept * 5 > table_.size() * 2) break;
   }
-  const bool drops_old = oldest > 0;
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const auto goes = [&](const SurfaceCell& cell) {
-      return cell.key != 0 && (is_poor(cell) || (drops_old && part_of(cell.frame) < oldest));
+      return cell.key != 0 && (is_poor(cell) || part_of(cell.frame) < oldest);
     };
     while (goes(table_[i])) erase(i);
   }
@@ -174,11 +172,8 @@ void SurfaceMap::move(const std::function<hal::Pose(hal::TimeNs)>& correction_at
     const SurfaceCell& cell = table_[i];
     if (cell.key == 0 || cell.born_ns == kUnsteady) continue;
     const hal::RigidTransform T = hal::to_transform(correction_at(cell.born_ns));
-    const Vector3f arm = rotated(T, mean_point_m(options_.rule, cell));
-    pieces.push_back({{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]},
-                      rotated(T, mean_normal(cell)),
-                      cell.weight,
-                      cell.born_ns});
+    pieces.push_back(
+        {transformed(T, mean_point_m(options_.rule, cell)), rotated(T, mean_normal(cell)), cell.weight, cell.born_ns});
   }
   clear();
   // The older of two that meet gives the time of birth, and the order within the table does not matter.

@@ -43,7 +43,7 @@ class SurfaceMap {
   [[nodiscard]] bool takes_new_cells() const { return count_ * 4 < table_.size() * 3; }
   /// Once the table is three fifths full: forgets what is no piece (yet) or a poor one and has not been seen lately; if
   /// that is not enough also what has not been seen for longest, down to two fifths. Which cells go does not depend on
-  /// where in the table they lie. Takes some hundredths of a second, then not again for long. Returns how many.
+  /// where in the table they lie. A pass over the whole table, then none for long. Returns how many.
   std::size_t make_room();
   void clear();
   /// Every piece goes where the correction of the time of its birth takes it. Those that came into free space or have

@@ -167,8 +167,7 @@ Surroundings SubmapChain::surroundings(std::size_t first, std::size_t end, std::
     if (submaps_[i].space != nullptr) sources.push_back({submaps_[i].space.get(), submaps_[i].T_world_stored, i});
     const hal::RigidTransform T = hal::to_transform(hal::compose(T_anchor_world, submaps_[i].T_world_stored));
     for (align::DepthSample sample : submaps_[i].surfaces) {
-      const align::Vector3f turned = align::rotated(T, sample.point_m);
-      for (std::size_t k = 0; k < 3; ++k) sample.point_m[k] = turned[k] + T.translation_m[k];
+      sample.point_m = align::transformed(T, sample.point_m);
       sample.normal = align::rotated(T, sample.normal);
       result.surfaces.push_back(sample);
     }

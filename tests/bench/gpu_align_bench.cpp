@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,17 +17,14 @@
 #include "hal/sim/pose_drift.hpp"
 #include "mapper/align/aligner.hpp"
 #include "mapper/cuda/align_twin.hpp"
-#include "mapper/cuda/carried.hpp"
-#include "mapper/cuda/helper_process.hpp"
-#include "mapper/cuda/twin.hpp"
+#include "tests/bench/gpu_rig.hpp"
+#include "tests/support/same_alignment.hpp"
 #include "tests/support/workload.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper;
 
 namespace {
-
-int failures = 0;
 
 double now_us() { return static_cast<double>(hal::RealClock().now()) * 1e-3; }
 
@@ -44,88 +39,43 @@ struct Times {
   [[nodiscard]] std::string text() const { return fmt::format("{:.0f} ({:.0f})", at(0.5), at(0.95)); }
 };
 
-/// A map in a card, its mirror, and the card's part of an aligner: what Mapper has, with a watch.
-struct Rig final : align::FitCard {
-  Rig(const MapperConfig& config, const test::Workload& work)
-      : resolution_m(config.resolution_m),
-        sensor(work.camera, config.resolution_m, config.near_m, config.far_m),
-        map(Grid{config.resolution_m}, config.capacity),
-        twin(config, sensor, {}, map) {
-    std::string problem;
-    helper = cuda::HelperProcess::start({.program = cuda::carried_helper(),
-                                         .kernels = cuda::carried_kernels(),
-                                         .sizes = twin.builder().sizes(),
-                                         .column_slope = sensor.column_slope,
-                                         .row_slope = sensor.row_slope,
-                                         .mask = twin.builder().mask(),
-                                         .patience_ns = 60'000'000'000},
-                                        problem);
-    if (helper != nullptr && helper->wait_started(60'000'000'000) == cuda::HelperState::ready) twin.set_card(helper);
-    check(twin.has_card());
+/// The card's part of an aligner, with a watch.
+struct WatchedFit final : align::FitCard {
+  WatchedFit(const MapperConfig& config, const hal::CameraModel& camera) : rig(config, camera) {
+    check(rig.twin.has_card());
   }
   void check(bool answered) {
     if (answered) return;
-    fmt::print("the card failed: {}\n", helper != nullptr ? helper->problem() : "no helper");
-    ++failures;
+    fmt::print("the card failed: {}\n", rig.helper != nullptr ? rig.helper->problem() : "no helper");
+    ++bench::failures;
   }
   bool fit(const hal::Frame& frame, const align::SampleShape& shape, const align::SurfaceMap& mirror,
            const align::FitQuestion& question, align::CardFit& fitted) override {
     const double start_us = now_us();
-    const bool done = twin.has_card() && align_twin.fit(*helper, frame, shape, mirror, question, fitted);
+    const bool done = rig.twin.has_card() && align_twin.fit(*rig.helper, frame, shape, mirror, question, fitted);
     check(done);
     fit_us.us.push_back(now_us() - start_us);
-    fit_card_us.us.push_back(static_cast<double>(helper->stages_us()[0]));
-    steps += helper->alignment().state->steps;
+    fit_card_us.us.push_back(static_cast<double>(rig.helper->stages_us()[0]));
+    steps += rig.helper->alignment().state->steps;
     return done;
   }
   bool add(const hal::RigidTransform& T, hal::TimeNs stamp_ns, bool looks_at_map, align::SurfaceMap& mirror) override {
     const double start_us = now_us();
-    const bool done = twin.has_card() && (!looks_at_map || twin.send_changes()) &&
-                      align_twin.add(*helper, T, stamp_ns, looks_at_map, resolution_m, mirror);
+    const bool done = rig.twin.has_card() && (!looks_at_map || rig.twin.send_changes()) &&
+                      align_twin.add(*rig.helper, T, stamp_ns, looks_at_map, rig.config.resolution_m, mirror);
     check(done);
     add_us.us.push_back(now_us() - start_us);
-    add_card_us.us.push_back(static_cast<double>(helper->stages_us()[0]));
-    touched += helper->alignment().state->touched;
+    add_card_us.us.push_back(static_cast<double>(rig.helper->stages_us()[0]));
+    touched += rig.helper->alignment().state->touched;
     return done;
   }
   void forget_surfaces() override { align_twin.forget_card(); }
-  void integrate(const hal::Frame& frame, const hal::Pose& pose) {
-    const auto geometry = cpu::frame_geometry(sensor, hal::to_transform(pose));
-    FrameReport report;
-    if (geometry) check(twin.integrate(frame, *geometry, frame.has_colour, ++frame_number, report));
-  }
 
-  float resolution_m;
-  cpu::SensorGeometry sensor;
-  VoxelMap map;
-  cuda::Twin twin;
+  bench::Rig rig;
   cuda::AlignTwin align_twin;
-  std::shared_ptr<cuda::HelperProcess> helper;
-  std::uint32_t frame_number = 0;
   Times fit_us, fit_card_us, add_us, add_card_us;
   std::uint64_t steps = 0, touched = 0;
 };
-
-std::vector<align::SurfaceCell> cells_of(const align::SurfaceMap& map) {
-  std::vector<align::SurfaceCell> cells;
-  for (const align::SurfaceCell& cell : map.table()) {
-    if (cell.key != 0) cells.push_back(cell);
-  }
-  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
-  return cells;
-}
-
-bool are_equal(const align::AlignResult& a, const align::AlignResult& b) {
-  return a.outcome == b.outcome && a.T_world_camera.translation_m == b.T_world_camera.translation_m &&
-         a.T_world_camera.rotation_xyzw == b.T_world_camera.rotation_xyzw && a.matched == b.matched &&
-         a.residual_m == b.residual_m && a.holds_shift == b.holds_shift && a.holds_turn == b.holds_turn;
-}
-bool are_equal(const align::SurfaceMap& a, const align::SurfaceMap& b) {
-  const auto of_a = cells_of(a);
-  const auto of_b = cells_of(b);
-  return of_a.size() == of_b.size() && a.refused() == b.refused() && a.unsteady_count() == b.unsteady_count() &&
-         std::memcmp(of_a.data(), of_b.data(), of_a.size() * sizeof(align::SurfaceCell)) == 0;
-}
 
 void run(const test::Workload& work, bool hand_held, int seeds, float resolution_m) {
   std::vector<hal::StampedPose> poses;
@@ -144,11 +94,11 @@ void run(const test::Workload& work, bool hand_held, int seeds, float resolution
     const auto drift = hand_held ? hal::hand_held_drift(static_cast<std::uint64_t>(seed))
                                  : hal::robot_drift(static_cast<std::uint64_t>(seed));
     const std::vector<hal::StampedPose> odometry = hal::drifted(poses, drift);
-    Rig rig(config, work);
-    if (!rig.twin.has_card()) return;
-    const align::SeenSpace space(rig.map);
+    WatchedFit card(config, work.camera);
+    if (!card.rig.twin.has_card()) return;
+    const align::SeenSpace space(card.rig.map);
     const align::SeenSpace* const looks_at = seed % 2 == 0 ? &space : nullptr;
-    align::Aligner by_card(options, work.camera, &rig);
+    align::Aligner by_card(options, work.camera, &card);
     align::Aligner by_cpu(options, work.camera);
     for (std::size_t i = 0; i < work.frames.size(); ++i) {
       const hal::Frame& frame = work.frames[i].frame;
@@ -162,23 +112,24 @@ void run(const test::Workload& work, bool hand_held, int seeds, float resolution
         cpu_us.us.push_back(end_us - half_us);
       }
       ++frames;
-      different += are_equal(result, expected) ? 0 : 1;
+      different += test::are_equal(result, expected) ? 0 : 1;
       corrected += result.outcome == align::AlignOutcome::aligned ? 1 : 0;
-      rig.integrate(frame, result.T_world_camera);
+      (void)card.rig.integrate(frame, result.T_world_camera);
     }
-    surfaces_different += are_equal(by_card.surfaces(), by_cpu.surfaces()) ? 0 : 1;
+    surfaces_different += test::are_equal(by_card.surfaces(), by_cpu.surfaces()) ? 0 : 1;
     const auto append = [](Times& to, const Times& from) {
       if (!from.us.empty()) to.us.insert(to.us.end(), from.us.begin() + 1, from.us.end());
     };
-    append(fit_us, rig.fit_us);
-    append(fit_card_us, rig.fit_card_us);
-    append(add_us, rig.add_us);
-    append(add_card_us, rig.add_card_us);
-    steps += rig.steps;
-    touched += rig.touched;
-    if (seed == seeds) fmt::print("{}, {} by {}\n", work.name, hand_held ? "free" : "planar", rig.helper->card_name());
+    append(fit_us, card.fit_us);
+    append(fit_card_us, card.fit_card_us);
+    append(add_us, card.add_us);
+    append(add_card_us, card.add_card_us);
+    steps += card.steps;
+    touched += card.touched;
+    if (seed == seeds)
+      fmt::print("{}, {} by {}\n", work.name, hand_held ? "free" : "planar", card.rig.helper->card_name());
   }
-  failures += different == 0 && surfaces_different == 0 ? 0 : 1;
+  bench::failures += different == 0 && surfaces_different == 0 ? 0 : 1;
   const auto count = static_cast<double>(std::max<std::size_t>(frames, 1));
   fmt::print("equal   {} frames, {} aligned, {} different; {} runs, surfaces different in {} {}\n", frames, corrected,
              different, seeds, surfaces_different, different == 0 && surfaces_different == 0 ? "ok" : "FAILED");
@@ -216,6 +167,6 @@ int main(int argc, char** argv) {
     }
     run(work, true, seeds, resolution_m);
   }
-  fmt::print("{} failures\n", failures);
-  return failures == 0 ? 0 : 1;
+  fmt::print("{} failures\n", bench::failures);
+  return bench::failures == 0 ? 0 : 1;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parts of gpu_bench share: a map in a card with its measuring helper, titles, and the count of failures.
+// What gpu_bench and gpu_align_bench share: a map in a card with its measuring helper, titles, and the count of
+// failures.
 #pragma once
 
 #include <fmt/format.h>

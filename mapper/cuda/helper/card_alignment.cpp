@@ -7,7 +7,6 @@ namespace {
 
 constexpr unsigned kSampleThreads = 256;  // kPixelThreads and kParcelThreads of the kernels
 constexpr unsigned kMatchThreads = 128;
-constexpr int kRelaxedCapture = 2;  // CU_STREAM_CAPTURE_MODE_RELAXED
 
 CuDevicePointer at(const void* p) { return static_cast<CuDevicePointer>(reinterpret_cast<std::uintptr_t>(p)); }
 unsigned tiles(unsigned size, unsigned tile) { return (size + tile - 1) / tile; }
@@ -54,16 +53,8 @@ bool CardSession::fit_frame() {
   if (!wait_for_colours()) return false;
   const int most_steps = shared<const AlignQuestion>(control_->align_question)->fit.most_steps;
   if (control_->sizes.surface_slots == 0 || most_steps < 0 || most_steps > kMostFitSteps) return false;
-  const bool makes_graph = !confined_ && driver_.stream_begin_capture != nullptr &&
-                           driver_.stream_end_capture != nullptr && driver_.graph_instantiate != nullptr &&
-                           driver_.graph_launch != nullptr && fit_graph_ == nullptr;
-  if (makes_graph) {
-    CuHandle captured = nullptr;
-    if (!check(driver_.stream_begin_capture(stream_, kRelaxedCapture), "graph") || !launch_fit(most_steps) ||
-        !check(driver_.stream_end_capture(stream_, &captured), "graph") ||
-        !check(driver_.graph_instantiate(&fit_graph_, captured, 0), "graph")) {
-      return false;
-    }
+  if (fit_graph_ == nullptr) {
+    if (!capture(fit_graph_, [&] { return launch_fit(most_steps); })) return false;
     fit_graph_steps_ = most_steps;
   }
   const bool by_graph = fit_graph_ != nullptr && fit_graph_steps_ == most_steps;

@@ -22,7 +22,6 @@ constexpr int kColourNaps = 1000;      // of a tenth each
 constexpr unsigned kSpin = 1;          // CU_CTX_SCHED_SPIN: a wait is a fraction of a millisecond
 constexpr unsigned kDeviceMap = 2;     // CU_MEMHOSTREGISTER_DEVICEMAP
 constexpr int kProcessorCount = 16;    // CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT
-constexpr int kRelaxedCapture = 2;     // CU_STREAM_CAPTURE_MODE_RELAXED
 constexpr int kErrorLog = 5;           // CU_JIT_ERROR_LOG_BUFFER and its size
 constexpr int kErrorLogBytes = 6;
 
@@ -153,15 +152,7 @@ bool CardSession::make_memory() {
 }
 
 bool CardSession::make_graph(CuHandle& graph, Part part) {
-  // Whether a graph keeps to a stream's multiprocessors is not said anywhere.
-  if (confined_ || driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
-      driver_.graph_instantiate == nullptr || driver_.graph_launch == nullptr) {
-    return true;
-  }
-  CuHandle captured = nullptr;
-  return check(driver_.stream_begin_capture(stream_, kRelaxedCapture), "graph") && launch_part(part) &&
-         check(driver_.stream_end_capture(stream_, &captured), "graph") &&
-         check(driver_.graph_instantiate(&graph, captured, 0), "graph");
+  return capture(graph, [&] { return launch_part(part); });
 }
 
 bool CardSession::launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments) {

@@ -45,6 +45,20 @@ class CardSession {
   /// What of a frame is launched together.
   enum class Part { until_colours, from_colours, launches_alone };
   [[nodiscard]] bool make_graph(CuHandle& graph, Part part);
+  /// What `launches()` hands to the stream, as one graph. Without graphs here none is made, and that is no failure.
+  template <typename Launches>
+  [[nodiscard]] bool capture(CuHandle& graph, const Launches& launches) {
+    constexpr int kRelaxed = 2;  // CU_STREAM_CAPTURE_MODE_RELAXED
+    // Whether a graph keeps to a stream's multiprocessors is not said anywhere.
+    if (confined_ || driver_.stream_begin_capture == nullptr || driver_.stream_end_capture == nullptr ||
+        driver_.graph_instantiate == nullptr || driver_.graph_launch == nullptr) {
+      return true;
+    }
+    CuHandle captured = nullptr;
+    return check(driver_.stream_begin_capture(stream_, kRelaxed), "graph") && launches() &&
+           check(driver_.stream_end_capture(stream_, &captured), "graph") &&
+           check(driver_.graph_instantiate(&graph, captured, 0), "graph");
+  }
   [[nodiscard]] bool launch(Kernel kernel, unsigned blocks, unsigned threads, void** arguments);
   /// One launch of a frame; nothing where the integrator has none.
   [[nodiscard]] bool launch_step(int kernel);

@@ -107,6 +107,17 @@ struct ChosenShare {
   std::uint32_t of_warp[kAlignChunk / 32];
 };
 
+/// Which of a chunk's tiles are chosen, and how many of each warp's.
+inline G3D_GPU void mark_chosen(const Block& block, const AlignMemory& a, std::uint32_t chunk, std::uint32_t count,
+                                PerThread<std::uint32_t, kPixelThreads>& wants, ChosenShare& s) {
+  block.lanes(
+      [&](int t) { wants[t] = is_chosen(a, chunk * kAlignChunk + static_cast<std::uint32_t>(t), count) ? 1 : 0; });
+  block.each([&](int t) {
+    const std::uint32_t lanes = wants.ballot(t);
+    if (t % 32 == 0) s.of_warp[t / 32] = static_cast<std::uint32_t>(__builtin_popcount(lanes));
+  });
+}
+
 inline G3D_GPU void count_chosen(const Block& block, const Memory& m) {
   static_assert(kAlignChunk == kPixelThreads);
   G3D_GPU_SHARED ChosenShare s;
@@ -115,12 +126,7 @@ inline G3D_GPU void count_chosen(const Block& block, const Memory& m) {
   PerThread<std::uint32_t, kPixelThreads> wants;
   for (auto chunk = static_cast<std::uint32_t>(block.index); chunk * kAlignChunk < count;
        chunk += static_cast<std::uint32_t>(block.count)) {
-    block.lanes(
-        [&](int t) { wants[t] = is_chosen(a, chunk * kAlignChunk + static_cast<std::uint32_t>(t), count) ? 1 : 0; });
-    block.each([&](int t) {
-      const std::uint32_t lanes = wants.ballot(t);
-      if (t % 32 == 0) s.of_warp[t / 32] = static_cast<std::uint32_t>(__builtin_popcount(lanes));
-    });
+    mark_chosen(block, a, chunk, count, wants, s);
     block.each([&](int t) {
       if (t != 0) return;
       std::uint32_t sum = 0;
@@ -149,12 +155,7 @@ inline G3D_GPU void choose(const Block& block, const Memory& m) {
         if (t < half) s.before[t] += s.before[t + half];
       });
     }
-    block.lanes(
-        [&](int t) { wants[t] = is_chosen(a, chunk * kAlignChunk + static_cast<std::uint32_t>(t), count) ? 1 : 0; });
-    block.each([&](int t) {
-      const std::uint32_t lanes = wants.ballot(t);
-      if (t % 32 == 0) s.of_warp[t / 32] = static_cast<std::uint32_t>(__builtin_popcount(lanes));
-    });
+    mark_chosen(block, a, chunk, count, wants, s);
     block.each([&](int t) {
       const std::uint32_t lanes = wants.ballot(t);
       const std::uint32_t tile = chunk * kAlignChunk + static_cast<std::uint32_t>(t);

@@ -27,9 +27,7 @@ struct PlacedSample {
   align::Vector3f normal;
 };
 inline G3D_GPU PlacedSample placed(const align::DepthSample& sample, const hal::RigidTransform& T) {
-  const align::Vector3f arm = align::rotated(T, sample.point_m);
-  return {{arm[0] + T.translation_m[0], arm[1] + T.translation_m[1], arm[2] + T.translation_m[2]},
-          align::rotated(T, sample.normal)};
+  return {align::transformed(T, sample.point_m), align::rotated(T, sample.normal)};
 }
 
 /// kNone: there is none, and no new ones are taken.
@@ -71,17 +69,15 @@ inline G3D_GPU bool is_free_at(const Memory& m, std::int32_t x, std::int32_t y, 
   const std::uint32_t stored = levels.plane != nullptr ? levels.plane[code & kPlaceMask] : levels.uniform_level;
   return state_of(stored) == State::free;
 }
-inline G3D_GPU std::int32_t index_of(float x_m, float resolution_m) {
-  return kAxisOffset_cells + static_cast<std::int32_t>(__builtin_ceilf(x_m / resolution_m));
-}
 /// See align::SeenSpace.
 inline G3D_GPU bool is_free(const Memory& m, float resolution_m, const align::Vector3f& p) {
-  return is_free_at(m, index_of(p[0], resolution_m), index_of(p[1], resolution_m), index_of(p[2], resolution_m));
+  return is_free_at(m, cell_of(p[0] / resolution_m, 0), cell_of(p[1] / resolution_m, 0),
+                    cell_of(p[2] / resolution_m, 0));
 }
 inline G3D_GPU bool is_clear(const Memory& m, float resolution_m, const align::Vector3f& p) {
-  const std::int32_t x = index_of(p[0], resolution_m);
-  const std::int32_t y = index_of(p[1], resolution_m);
-  const std::int32_t z = index_of(p[2], resolution_m);
+  const std::int32_t x = cell_of(p[0] / resolution_m, 0);
+  const std::int32_t y = cell_of(p[1] / resolution_m, 0);
+  const std::int32_t z = cell_of(p[2] / resolution_m, 0);
 #pragma GCC unroll 1
   for (int i = 0; i < 27; ++i) {
     if (!is_free_at(m, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1)) return false;

@@ -7,6 +7,7 @@
 #include "mapper/align/aligner.hpp"
 #include "mapper/mapper.hpp"
 #include "tests/support/fake_card.hpp"
+#include "tests/support/same_alignment.hpp"
 #include "tests/support/small_helper.hpp"
 #include "tests/support/test_frames.hpp"
 
@@ -36,9 +37,8 @@ TEST_CASE("a helper aligns as the CPU does", "[mapper][align][cuda]") {
       const align::SeenSpace space(mapper.map());
       const auto expected = by_cpu.align(own, pose, looks_at_map ? &space : nullptr);
       const auto result = by_card.align(own, pose, looks_at_map ? &space : nullptr);
-      CHECK(result.outcome == expected.outcome);
-      CHECK(result.T_world_camera.translation_m == expected.T_world_camera.translation_m);
-      CHECK(by_card.surfaces().piece_count() == by_cpu.surfaces().piece_count());
+      CHECK(test::are_equal(result, expected));
+      CHECK(test::are_equal(by_card.surfaces(), by_cpu.surfaces()));
       (void)mapper.integrate(own, result.T_world_camera);
     }
   }
