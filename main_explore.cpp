@@ -70,7 +70,6 @@ std::string contradiction(const SimOptions& options) {
   }
   if (!mapping.mask_path.empty()) return "--mask does not go with --robots yet; leave it out";
   if (mapping.odometry == "none") return "--odometry none: a robot's base measures motion; take given or aligned";
-  if (mapping.loops) return "--loops is for recordings and flights, not for --robots yet; leave it out";
   if (mapping.motion == "free") return "--motion free is for hand-held cameras, not for --robots";
   if (!mapping.footprint.empty()) return "--footprint: robots take their own from the board; leave it out";
   return {};
@@ -141,7 +140,7 @@ class Exploration {
   [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] const PlaceError& place_error() const { return place_error_; }
   /// Of the integrated frames.
-  [[nodiscard]] const std::vector<hal::StampedPose>& way() const { return way_; }
+  [[nodiscard]] std::vector<hal::StampedPose> way() const { return corrected(way_, robot_.loops()); }
 
  private:
   void take_frame() {
@@ -219,6 +218,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
+  if (const auto problem = loops_problem(board, mapping)) return bad_usage(*problem);
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;
@@ -235,6 +235,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto staging = read_staging(options.staging);
   if (!staging) return bad_usage(staging.error().text);
   nav::RobotConfig config = robot_config(board, mapping, camera.value().model, starts.value()[0]);
+  if (config.loops) config.loops->is_lockstep = true;  // the same seed, the same way
   if (const auto area = set_area(options.area, config.navigator.explorer); !area) return bad_usage(area.error().text);
   if (const auto problem = mapper::config_problem(config.mapper, config.camera)) return fail(*problem);
   if (const auto folder = open_folder(mapping.out_dir); !folder) return fail(folder.error().text);
@@ -276,6 +277,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const hal::DiskInstead disk_instead(bad_disk);
   exploration.run(!mapping.quiet);
   end_ns = clock.now();
+  robot.finish_map();
   const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
 
   const nav::Mission& mission = robot.navigator().mission();
@@ -286,11 +288,12 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   explored.state = nav::name_of(mission.state());
   explored.outside = nav::outside_view(building.record(0));
   explored.safety_stops = safety_stops(robot.base());
-  const std::vector<hal::Pose> poses = poses_of(exploration.way());
+  const std::vector<hal::StampedPose> way = exploration.way();
+  const std::vector<hal::Pose> poses = poses_of(way);
   RunFiles files;
   files.folder = mapping.out_dir;
   files.patience_s = mapping.patience_s;
-  files.way = exploration.way();
+  files.way = way;
   files.map = &robot.mapper().map();
   files.options.trajectory = poses;
   files.options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
@@ -314,6 +317,10 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   report.hash = mapper::map_hash(robot.mapper().map());
   report_mapper(robot.mapper(), report);
   report_alignment(robot.placing().aligner(), mapping, report);
+  if (robot.loops() != nullptr) {
+    report.stages.push_back({"loops", robot.loops_times()});
+    report.loops = robot.loops()->report();
+  }
   report.command = command_line;
   report.version = mapper::version();
   report.seed = mapping.seed;

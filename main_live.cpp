@@ -39,6 +39,7 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (!in_simulation && fails_in_simulation) return "--fail: only the disk of a real robot can be made to fail";
   if (!in_simulation && options.staging.battery_min > 0.0) return "--battery is for a simulated base";
   if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
+  if (auto problem = loops_problem(board, options.mapping)) return problem;
   if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
   return std::nullopt;
 }
@@ -58,6 +59,7 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   report.hash = mapper::map_hash(robot.mapper().map());
   report_mapper(robot.mapper(), report);
   report_alignment(robot.placing().aligner(), options.mapping, report);
+  if (robot.loops() != nullptr) report.loops = robot.loops()->report();
   report.command = command_line;
   report.version = mapper::version();
   report.seed = options.mapping.seed;
@@ -117,11 +119,12 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   explored.safety_stops = safety_stops(live.base().state);
   nav::Outputs outputs;
   RunFiles files;
-  const std::vector<hal::Pose> poses = poses_of(live.way());
+  const std::vector<hal::StampedPose> way = corrected(live.way(), live.robot().loops());
+  const std::vector<hal::Pose> poses = poses_of(way);
   if (!mapping.out_dir.empty()) {
     files.folder = mapping.out_dir;
     files.patience_s = mapping.patience_s;
-    files.way = live.way();
+    files.way = way;
     files.map = &live.robot().mapper().map();
     files.options.trajectory = poses;
     files.options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};

@@ -64,6 +64,10 @@ nav::RobotConfig robot_config(const board::Board& board, const MappingOptions& o
     config.align->surface.slots *= 2;  // an hour's drive, not a recording
     config.mapper.surface_slots = static_cast<std::uint32_t>(config.align->surface.slots);
   }
+  if (options.loops) {
+    config.loops.emplace();
+    config.mapper.backend = mapper::Backend::cpu;
+  }
   nav::NavigatorConfig& navigator = config.navigator;
   navigator.ground.centre_x_m = T_world_start.x_m;
   navigator.ground.centre_y_m = T_world_start.y_m;

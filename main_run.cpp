@@ -137,17 +137,6 @@ std::string checkpoint_note(const mapper::Checkpoint& checkpoint) {
   return note;
 }
 
-std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options) {
-  if (!options.loops) return std::nullopt;
-  if (options.odometry == "given") return "--loops corrects poses that are aligned; add --odometry aligned";
-  const char* other = options.checkpoint_s > 0.0        ? "--checkpoint"
-                      : board.map_window_radius_m > 0.0 ? "--window"
-                      : options.mapper == "cuda"        ? "--mapper cuda"
-                                                        : nullptr;
-  if (other == nullptr) return std::nullopt;
-  return fmt::format("--loops moves the whole map at once, so it does not go with {}; leave one of them out", other);
-}
-
 /// Frames were written as they were mapped; where they were is known better at the end.
 hal::Result<void> correct_trajectory(const std::string& path, const mapper::submaps::LoopedMap& looped) {
   auto poses = hal::read_trajectory(path);

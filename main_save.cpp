@@ -99,6 +99,12 @@ std::string late_files_note(int late_files) {
   return fmt::format("{} files were not taken by the disk at first, and are there now", late_files);
 }
 
+std::vector<hal::StampedPose> corrected(std::vector<hal::StampedPose> way, const mapper::submaps::DrivingLoops* loops) {
+  if (loops == nullptr) return way;
+  for (hal::StampedPose& pose : way) pose.T_world_camera = loops->corrected(pose.stamp_ns, pose.T_world_camera);
+  return way;
+}
+
 std::vector<hal::Pose> poses_of(std::span<const hal::StampedPose> way) {
   std::vector<hal::Pose> poses;
   poses.reserve(way.size());

@@ -12,6 +12,7 @@
 #include "hal/replay/trajectory_file.hpp"
 #include "main_commands.hpp"
 #include "mapper/report.hpp"
+#include "mapper/submaps/driving_loops.hpp"
 #include "nav/outputs.hpp"
 
 namespace g3d {
@@ -35,6 +36,9 @@ struct RunFiles {
 [[nodiscard]] nav::Outputs save_run(const RunFiles& files);
 /// For report.json.
 [[nodiscard]] std::string late_files_note(int late_files);
+/// Where the frames were as far as is known at the end; as they were mapped, without loops (nullptr).
+[[nodiscard]] std::vector<hal::StampedPose> corrected(std::vector<hal::StampedPose> way,
+                                                      const mapper::submaps::DrivingLoops* loops);
 [[nodiscard]] std::vector<hal::Pose> poses_of(std::span<const hal::StampedPose> way);
 /// report.json; it takes its place among the outputs, or in their failures.
 void save_report(const RunFiles& files, const std::string& json, nav::Outputs& outputs);

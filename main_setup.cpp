@@ -85,6 +85,17 @@ std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& o
   return align;
 }
 
+std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options) {
+  if (!options.loops) return std::nullopt;
+  if (options.odometry == "given") return "--loops corrects poses that are aligned; add --odometry aligned";
+  const char* other = options.checkpoint_s > 0.0        ? "--checkpoint"
+                      : board.map_window_radius_m > 0.0 ? "--window"
+                      : options.mapper == "cuda"        ? "--mapper cuda"
+                                                        : nullptr;
+  if (other == nullptr) return std::nullopt;
+  return fmt::format("--loops moves the whole map at once, so it does not go with {}; leave one of them out", other);
+}
+
 void report_alignment(const mapper::align::Aligner* aligner, const MappingOptions& options, mapper::RunReport& report) {
   if (aligner == nullptr) return;
   report.alignment = mapper::AlignmentReport{*mapper::align::odometry_mode_from_string(options.odometry),

@@ -20,6 +20,8 @@ const char* to_string(DropReason reason) {
       return "queue_full";
     case DropReason::out_of_range:
       return "out_of_range";
+    case DropReason::map_moving:
+      return "map_moving";
     case DropReason::interrupted:
       return "interrupted";
     case DropReason::count_:

@@ -52,6 +52,7 @@ enum class DropReason : std::uint8_t {
   time_backwards,    ///< stamp not later than that of the frame before
   queue_full,        ///< real time only: the mapper was behind
   out_of_range,      ///< the pose lies outside of what 16 bits per axis can address
+  map_moving,        ///< the map was being put right as a whole, and the robot stood
   interrupted,       ///< asked to stop while the frame was under way
   count_,
 };

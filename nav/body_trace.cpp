@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/body_trace.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "nav/motion_limits.hpp"
@@ -37,6 +38,11 @@ bool BodyTrace::tread(const hal::PlanarPose& pose) {
     if (dx_m * dx_m + dy_m * dy_m <= body_radius_m_ * body_radius_m_) trodden_.at(c) = 1;
   });
   return true;
+}
+
+void BodyTrace::clear() {
+  std::fill(trodden_.cells.begin(), trodden_.cells.end(), std::uint8_t{0});
+  has_pose_ = false;
 }
 
 Waypoint where_touched(const CellGrid<CellState>& states, const hal::PlanarPose& pose, double side_rad,

@@ -18,6 +18,7 @@ class BodyTrace {
 
   /// The body is here. False if that is where it was already, within kTread_m.
   bool tread(const hal::PlanarPose& T_world_base);
+  void clear();
   [[nodiscard]] bool is_trodden(Cell c) const { return trodden_.contains(c) && trodden_.at(c) != 0; }
 
   static constexpr double kTread_m = 0.02;

@@ -341,6 +341,14 @@ void Explorer::start_again() {
   s.planned_at = 0;
 }
 
+void Explorer::map_moved() {
+  State& s = *state_;
+  s.aside.forgive_blocked();  // it may have been a wall that was drawn twice
+  s.goal.active = s.is_searching = s.reached = s.failed = false;
+  s.homeward_is_new = s.stage == State::Stage::going_home;
+  s.planned_at = 0;
+}
+
 void Explorer::set_home(const PlanarPose& T_world_home) {
   state_->home = T_world_home;
   state_->has_home = true;

@@ -56,6 +56,7 @@ class Explorer final : public GoalChooser {
   void goal_reached() override;
   void goal_failed(GoalFailure reason) override;
   void start_again() override;
+  void map_moved() override;
   void set_home(const PlanarPose& T_world_home) override;
   void set_energy_left(double seconds) override;
   void return_home(bool for_energy) override;

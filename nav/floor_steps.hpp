@@ -18,6 +18,7 @@
 #include "hal/messages.hpp"
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
+#include "nav/move_field.hpp"
 
 namespace g3d::nav {
 
@@ -37,6 +38,14 @@ class FloorSteps {
   void look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
             const hal::PlanarPose& T_world_base);
 
+  /// The map has moved. `scratch`: as many cells. changed_cells() says nothing of it: see for_steps().
+  void move(const MoveField& field, std::vector<std::uint8_t>& scratch) { field.resample(votes_, scratch); }
+  template <typename Visit>
+  void for_steps(Visit visit) const {
+    for (std::size_t i = 0; i < votes_.cells.size(); ++i) {
+      if (votes_.cells[i] >= kStep) visit(votes_.cell(i));
+    }
+  }
   [[nodiscard]] bool is_step(Cell c) const { return votes_.contains(c) && votes_.at(c) >= kStep; }
   /// Cells of which the last look() changed the judgement. May name one twice.
   [[nodiscard]] const std::vector<std::uint32_t>& changed_cells() const { return changed_; }

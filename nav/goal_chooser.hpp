@@ -70,6 +70,8 @@ class GoalChooser {
   /// vain stays given up.
   virtual void start_again() = 0;
 
+  /// The map has moved by a little everywhere: whatever is planned is planned anew.
+  virtual void map_moved() {}
   virtual void set_home(const PlanarPose& T_world_home) = 0;
   /// Seconds of driving that the battery still gives; infinite until set.
   virtual void set_energy_left(double seconds) = 0;

@@ -279,6 +279,14 @@ void GroundMap::mark_step(Cell c, bool is_step) {
   refresh(c);
 }
 
+void GroundMap::forget_marks() {
+  for (std::size_t i = 0; i < evidence_.size(); ++i) {
+    if ((evidence_[i] & ~kFromVoxels) == 0) continue;
+    evidence_[i] &= kFromVoxels;
+    refresh(states_.cell(i));
+  }
+}
+
 void GroundMap::forget_contacts() {
   for (std::size_t i = 0; i < evidence_.size(); ++i) {
     if ((evidence_[i] & kContact) == 0) continue;

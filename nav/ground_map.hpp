@@ -61,6 +61,8 @@ class GroundMap {
   void mark_contact(double x_m, double y_m, double radius_m);
   /// A step that voxels are too coarse for, or none any more.
   void mark_step(Cell c, bool is_step);
+  /// Drops all marks, and what is known to have come later: the map has moved.
+  void forget_marks();
   /// Drops all contact marks: a last resort, for whoever finds no way any more.
   void forget_contacts();
 

@@ -15,6 +15,7 @@
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
 #include "nav/depth_scan.hpp"
+#include "nav/move_field.hpp"
 
 namespace g3d::nav {
 
@@ -36,6 +37,8 @@ class LowView {
   /// gives no reading, and then nobody has looked low.
   void look(const CellGrid<CellState>& states, const hal::PlanarPose& T_world_base, const DepthScan* scan = nullptr);
 
+  /// The map has moved. `scratch`: as many cells.
+  void move(const MoveField& field, std::vector<std::uint8_t>& scratch) { field.resample(seen_, scratch); }
   [[nodiscard]] bool is_seen(Cell c) const { return seen_.contains(c) && seen_.at(c) != 0; }
   [[nodiscard]] double low_m() const { return low_m_; }
 

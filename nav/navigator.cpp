@@ -43,14 +43,28 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
   chooser_->prepare(floor_.states(), floor_.cost());
 }
 
-void Navigator::on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
-                       const mapper::ChangedColumns& columns, TimeNs) {
-  floor_.on_map(map, changed_slots, base_.T_world_base, columns);
+void Navigator::on_map_moving(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots) {
+  if (!is_map_moving_) floor_.begin_to_move();
+  is_map_moving_ = true;
+  last_twist_ = {};
+  if (!changed_slots.empty()) floor_.on_map(map, changed_slots, base_.T_world_base);
 }
 
-void Navigator::on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
-                         TimeNs now) {
-  floor_.on_frame(frame, camera, T_world_base, now);
+// Where it stands in the corrected map the next packet says.
+void Navigator::on_map_moved(const mapper::submaps::ChainMove& move, TimeNs now) {
+  is_map_moving_ = false;
+  floor_.move(move);
+  base_.T_world_base = compose(on_plane(move.newest()), base_.T_world_base);
+  home_ = compose(on_plane(move.at(home_ns_)), home_);
+  chooser_->set_home(home_);
+  chooser_->map_moved();
+  closed_way_.end();
+  pursuit_.clear();
+  spin_.clear();
+  recovery_.reset();
+  progress_.note_got_on(base_.T_world_base, now);
+  is_deciding_ = false;
+  next_decision_ns_ = now;
 }
 
 void Navigator::meet(std::uint8_t flags, TimeNs now) {
@@ -66,12 +80,21 @@ void Navigator::meet(std::uint8_t flags, TimeNs now) {
 
 void Navigator::on_base(const BaseView& view, TimeNs now) {
   // Cliff sensors have the order of the bumper's bits: what is met there is not to be met again either.
+  if (is_map_moving_) {  // what is touched meanwhile is noticed afterwards, if it is touched still
+    const std::uint8_t bumper = base_.bumper & view.bumper;
+    const std::uint8_t cliff = base_.cliff & view.cliff;
+    base_ = view;
+    base_.bumper = bumper;
+    base_.cliff = cliff;
+    return;
+  }
   const auto met = static_cast<std::uint8_t>((view.bumper & ~base_.bumper) | (view.cliff & ~base_.cliff));
   base_ = view;
   report_.note_pose(view.T_world_base, now);
   if (!has_base_) {
     has_base_ = true;
     home_ = view.T_world_base;
+    home_ns_ = now;
     chooser_->set_home(home_);
     progress_.start(home_, now);
     standby_.start(now);
@@ -355,7 +378,7 @@ bool Navigator::stands_by(TimeNs now) {
 }
 
 hal::Twist Navigator::step(TimeNs now) {
-  if (!has_base_) return {};
+  if (!has_base_ || is_map_moving_) return {};
   retry(now);
   if (stands_by(now)) return {};
   if (closed_way_.is_active()) {

@@ -76,11 +76,18 @@ class Navigator {
 
   /// After every frame: the blocks that it changed, and their columns if a card has read them by column_tables().
   void on_map(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots,
-              const mapper::ChangedColumns& columns, TimeNs now);
+              const mapper::ChangedColumns& columns, TimeNs) {
+    floor_.on_map(map, changed_slots, base_.T_world_base, columns);
+  }
   [[nodiscard]] const mapper::ColumnTables& column_tables() const { return ground().column_tables(); }
   /// After every frame as well, with the pose it was taken from: for what is too near to be mapped.
   void on_frame(const hal::Frame& frame, const hal::CameraModel& camera, const hal::PlanarPose& T_world_base,
-                TimeNs now);
+                TimeNs now) {
+    floor_.on_frame(frame, camera, T_world_base, now);
+  }
+  /// The map is about to move, or a part of it has: it stands until on_map_moved().
+  void on_map_moving(const mapper::VoxelMap& map, std::span<const std::uint32_t> changed_slots);
+  void on_map_moved(const mapper::submaps::ChainMove& move, TimeNs now);
   /// After every feedback packet. The first pose is home.
   void on_base(const BaseView& view, TimeNs now);
   /// What the safety table says while no packet comes: a robot that may not move has not got stuck.
@@ -146,7 +153,9 @@ class Navigator {
 
   BaseView base_;
   bool has_base_ = false;
+  bool is_map_moving_ = false;
   hal::PlanarPose home_;
+  TimeNs home_ns_ = 0;
   double free_behind_m_ = 0.0;
   hal::Twist last_twist_;
 

@@ -1,30 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/placing.hpp"
 
-#include <cmath>
-
-#include "nav/motion_limits.hpp"
-
 namespace g3d::nav {
-
-hal::PlanarPose compose(const hal::PlanarPose& T_a_b, const hal::PlanarPose& T_b_c) {
-  const double c = std::cos(T_a_b.heading_rad);
-  const double s = std::sin(T_a_b.heading_rad);
-  return {T_a_b.x_m + c * T_b_c.x_m - s * T_b_c.y_m, T_a_b.y_m + s * T_b_c.x_m + c * T_b_c.y_m,
-          wrap_angle(T_a_b.heading_rad + T_b_c.heading_rad)};
-}
-
-hal::PlanarPose inverse(const hal::PlanarPose& T_a_b) {
-  const double c = std::cos(T_a_b.heading_rad);
-  const double s = std::sin(T_a_b.heading_rad);
-  return {-c * T_a_b.x_m - s * T_a_b.y_m, s * T_a_b.x_m - c * T_a_b.y_m, wrap_angle(-T_a_b.heading_rad)};
-}
-
-hal::PlanarPose on_plane(const hal::Pose& T_world_base) {
-  const auto& q = T_world_base.rotation_xyzw;
-  const double heading_rad = std::atan2(2.0 * (q[3] * q[2] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]));
-  return {T_world_base.translation_m[0], T_world_base.translation_m[1], heading_rad};
-}
 
 Placing::Placing(const std::optional<mapper::align::AlignOptions>& options, const hal::CameraModel& camera,
                  const hal::Pose& T_base_camera, mapper::align::FitCard* card)
@@ -34,10 +11,17 @@ Placing::Placing(const std::optional<mapper::align::AlignOptions>& options, cons
 void Placing::place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight) {
   if (aligner_ == nullptr) return;
   const mapper::align::SeenSpace space(map);
-  sight.T_world_camera = aligner_->align(frame, sight.T_world_camera, &space).T_world_camera;
+  last_ = aligner_->align(frame, sight.T_world_camera, &space);
+  sight.T_world_camera = last_.T_world_camera;
   const hal::PlanarPose T_world_base = on_plane(hal::compose(sight.T_world_camera, T_camera_base_));
   T_world_odometry_ = compose(T_world_base, inverse(sight.T_world_base));
   sight.T_world_base = T_world_base;
+}
+
+void Placing::move(const mapper::submaps::ChainMove& move) {
+  if (aligner_ == nullptr) return;
+  aligner_->correct(move.newest(), [&](hal::TimeNs born_ns) { return move.at(born_ns); });
+  T_world_odometry_ = compose(on_plane(move.newest()), T_world_odometry_);
 }
 
 }  // namespace g3d::nav

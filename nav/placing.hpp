@@ -13,15 +13,11 @@
 #include "hal/kobuki/base_state.hpp"
 #include "hal/messages.hpp"
 #include "mapper/align/aligner.hpp"
+#include "mapper/submaps/chain_move.hpp"
+#include "nav/planar_algebra.hpp"
 #include "nav/senses.hpp"
 
 namespace g3d::nav {
-
-/// T_a_c = T_a_b * T_b_c on the floor.
-[[nodiscard]] hal::PlanarPose compose(const hal::PlanarPose& T_a_b, const hal::PlanarPose& T_b_c);
-[[nodiscard]] hal::PlanarPose inverse(const hal::PlanarPose& T_a_b);
-/// The floor's part of a pose.
-[[nodiscard]] hal::PlanarPose on_plane(const hal::Pose& T_world_base);
 
 class Placing {
  public:
@@ -33,6 +29,10 @@ class Placing {
   /// Frames in their order. `sight`, which is not refused, has the poses of odometry and gets the corrected ones.
   /// `map`: of the frames before, not written to meanwhile.
   void place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight);
+  /// The map was corrected after the last frame. Takes some ten milliseconds.
+  void move(const mapper::submaps::ChainMove& move);
+  /// How the last frame was placed.
+  [[nodiscard]] const mapper::align::AlignResult& last() const { return last_; }
   [[nodiscard]] const hal::PlanarPose& T_world_odometry() const { return T_world_odometry_; }
   /// Nothing if odometry is believed.
   [[nodiscard]] const mapper::align::Aligner* aligner() const { return aligner_.get(); }
@@ -41,6 +41,7 @@ class Placing {
   std::unique_ptr<mapper::align::Aligner> aligner_;
   hal::Pose T_camera_base_;
   hal::PlanarPose T_world_odometry_;
+  mapper::align::AlignResult last_;
 };
 
 }  // namespace g3d::nav

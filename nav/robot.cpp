@@ -15,7 +15,9 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       mapper_(config.mapper, config.camera, {}),
       navigator_(mapper_.map().grid(), config.navigator),
       senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}),
-      placing_(config.align, config.camera, config.T_base_camera, mapper_.fit_card()) {
+      placing_(config.align, config.camera, config.T_base_camera, mapper_.fit_card()),
+      loops_(config.loops ? std::make_unique<mapper::submaps::DrivingLoops>(mapper_.map(), config.camera, *config.loops)
+                          : nullptr) {
   mapper_.follow_columns(navigator_.column_tables());
 }
 
@@ -56,6 +58,10 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
     drop(*sight.refused);
     return;
   }
+  if (moves_map(frame.stamp_ns, now)) {
+    drop(hal::DropReason::map_moving);
+    return;
+  }
   const hal::TimeNs align_start_ns = clock_.now();
   placing_.place(frame, mapper_.map(), sight);
   align_times_.add(clock_.now() - align_start_ns);
@@ -76,6 +82,29 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   last_frame_pose_ = sight.T_world_camera;
   navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
   navigator_.on_frame(frame, config_.camera, base, now);
+  if (loops_ == nullptr) return;
+  const hal::TimeNs loops_start_ns = clock_.now();
+  loops_->add(frame, placing_.last(), placing_.aligner()->samples(), mapper_.changed_slots());
+  loops_times_.add(clock_.now() - loops_start_ns);
+}
+
+bool Robot::moves_map(hal::TimeNs stamp_ns, hal::TimeNs now) {
+  if (loops_ == nullptr) return false;
+  loops_->wait_if_due(stamp_ns);
+  const hal::TimeNs start_ns = clock_.now();
+  if (loops_->is_moving()) {
+    navigator_.on_map_moving(mapper_.map(), loops_->move_on());
+    if (!loops_->is_moving()) {
+      placing_.move(loops_->move());
+      navigator_.on_map_moved(loops_->move(), now);
+    }
+  } else if (loops_->begins_to_move(stamp_ns)) {
+    navigator_.on_map_moving(mapper_.map(), {});
+  } else {
+    return false;
+  }
+  loops_times_.add(clock_.now() - start_ns);
+  return true;
 }
 
 }  // namespace g3d::nav

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "mapper/mapper.hpp"
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
+#include "mapper/submaps/driving_loops.hpp"
 #include "nav/live_status.hpp"
 #include "nav/navigator.hpp"
 #include "nav/placing.hpp"
@@ -35,9 +37,10 @@ struct RobotConfig {
   hal::FrameWatchOptions frame_watch;
   hal::CameraModel camera;
   hal::Pose T_base_camera;
-  hal::PlanarPose T_world_start;                                    ///< where odometry begins
-  double robot_height_m = 0.6;                                      ///< its own cylinder is free at the start
-  std::optional<mapper::align::AlignOptions> align = std::nullopt;  ///< none: odometry is believed
+  hal::PlanarPose T_world_start;                                        ///< where odometry begins
+  double robot_height_m = 0.6;                                          ///< its own cylinder is free at the start
+  std::optional<mapper::align::AlignOptions> align = std::nullopt;      ///< none: odometry is believed
+  std::optional<mapper::submaps::DrivingOptions> loops = std::nullopt;  ///< needs align; none: the map stays as it is
   int steps_per_command = 2;  ///< the navigator decides at every so many-th tick of 20 ms
 };
 
@@ -65,6 +68,13 @@ class Robot {
   [[nodiscard]] const mapper::StageTimes& integrate_times() const { return integrate_times_; }
   [[nodiscard]] const mapper::StageTimes& align_times() const { return align_times_; }
   [[nodiscard]] const Placing& placing() const { return placing_; }
+  [[nodiscard]] const mapper::StageTimes& loops_times() const { return loops_times_; }
+  /// Nothing without loops.
+  [[nodiscard]] const mapper::submaps::DrivingLoops* loops() const { return loops_.get(); }
+  /// After the last frame: looks for loops once more, and puts the map right. For what is saved; it drives no more.
+  void finish_map() {
+    if (loops_ != nullptr) loops_->finish();
+  }
   [[nodiscard]] const mapper::StageTimes& navigate_times() const { return navigate_times_; }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
@@ -72,6 +82,8 @@ class Robot {
   [[nodiscard]] const std::optional<hal::Pose>& last_frame_pose() const { return last_frame_pose_; }
 
  private:
+  /// Instead of mapping a frame. False: there is nothing to be moved.
+  [[nodiscard]] bool moves_map(hal::TimeNs stamp_ns, hal::TimeNs now);
   void drop(hal::DropReason reason) { ++frames_.dropped[static_cast<std::size_t>(reason)]; }
 
   RobotConfig config_;
@@ -81,9 +93,11 @@ class Robot {
   Navigator navigator_;
   Senses senses_;
   Placing placing_;
+  std::unique_ptr<mapper::submaps::DrivingLoops> loops_;
   mapper::FrameCounts frames_;
   mapper::StageTimes integrate_times_;
   mapper::StageTimes align_times_;
+  mapper::StageTimes loops_times_;
   mapper::StageTimes navigate_times_;
   std::uint64_t pool_full_frames_ = 0;
   std::uint64_t refused_blocks_ = 0;

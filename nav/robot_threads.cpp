@@ -28,6 +28,8 @@ const char* RobotThreads::name_of(Stage stage) {
       return "align";
     case Stage::integrate:
       return "integrate";
+    case Stage::loops:
+      return "loops";
     case Stage::end_to_end:
       return "end_to_end";
     case Stage::hand_over:
@@ -53,6 +55,9 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
       senses_({config.robot.camera, config.robot.T_base_camera, config.robot.T_world_start, config.robot.frame_watch}),
       mapper_(config.robot.mapper, config.robot.camera, {}),
       placing_(config.robot.align, config.robot.camera, config.robot.T_base_camera, mapper_.fit_card()),
+      loops_(config.robot.loops ? std::make_unique<mapper::submaps::DrivingLoops>(mapper_.map(), config.robot.camera,
+                                                                                  *config.robot.loops)
+                                : nullptr),
       navigator_(mapper_.map().grid(), config.robot.navigator),
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
       pool_(config.robot.camera, frames_waiting(config) + 2),
@@ -88,6 +93,7 @@ void RobotThreads::stop() {
   mapper_thread_.join();  // the navigator still takes its last maps
   navigator_ending_.store(true, std::memory_order_release);
   navigator_thread_.join();
+  if (loops_ != nullptr) loops_->finish();
 }
 
 void RobotThreads::camera_loop() {
@@ -141,6 +147,10 @@ void RobotThreads::mapper_loop() {
 
 void RobotThreads::integrate(JudgedFrame& judged) {
   const hal::Frame& frame = pool_[judged.frame_index];
+  if (moves_map(frame.stamp_ns)) {
+    drop(hal::DropReason::map_moving);
+    return;
+  }
   const hal::TimeNs align_start_ns = parts_.clock.now();
   placing_.place(frame, mapper_.map(), judged.sight);
   T_world_odometry_.write(placing_.T_world_odometry());
@@ -165,10 +175,39 @@ void RobotThreads::integrate(JudgedFrame& judged) {
   if (!poses_.try_push({frame.stamp_ns, judged.sight.T_world_camera})) ++lost_poses_;
 
   shown_ = judged;
+  showing_ = Showing::frame;
+  hand_over();
+  add_time(Stage::hand_over, mapped_ns);
+  if (loops_ == nullptr) return;
+  const hal::TimeNs loops_start_ns = parts_.clock.now();
+  loops_->add(frame, placing_.last(), placing_.aligner()->samples(), mapper_.changed_slots());
+  add_time(Stage::loops, loops_start_ns);
+}
+
+void RobotThreads::hand_over() {
   navigators_turn_.store(true, std::memory_order_release);
   // The navigator outlives this thread, so the wait ends.
   (void)map_waits_.wait([&] { return !navigators_turn_.load(std::memory_order_acquire); });
-  add_time(Stage::hand_over, mapped_ns);
+}
+
+bool RobotThreads::moves_map(hal::TimeNs stamp_ns) {
+  if (loops_ == nullptr) return false;
+  const hal::TimeNs start_ns = parts_.clock.now();
+  moved_slots_ = {};
+  showing_ = Showing::map_moves;
+  if (loops_->is_moving()) {
+    moved_slots_ = loops_->move_on();
+    if (!loops_->is_moving()) {
+      placing_.move(loops_->move());
+      T_world_odometry_.write(placing_.T_world_odometry());
+      showing_ = Showing::map_has_moved;
+    }
+  } else if (!loops_->begins_to_move(stamp_ns)) {
+    return false;
+  }
+  hand_over();
+  add_time(Stage::loops, start_ns);
+  return true;
 }
 
 void RobotThreads::navigator_loop() {
@@ -223,8 +262,13 @@ void RobotThreads::step(hal::TimeNs now) {
 
 void RobotThreads::take_map(hal::TimeNs now) {
   if (!navigators_turn_.load(std::memory_order_acquire)) return;
-  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
-  navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.sight.T_world_base, now);
+  if (showing_ == Showing::frame) {
+    navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
+    navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.sight.T_world_base, now);
+  } else {
+    navigator_.on_map_moving(mapper_.map(), moved_slots_);
+    if (showing_ == Showing::map_has_moved) navigator_.on_map_moved(loops_->move(), now);
+  }
   navigators_turn_.store(false, std::memory_order_release);
   map_waits_.wake();
   add_time(Stage::ground, now);

@@ -30,6 +30,7 @@
 #include "mapper/mapper.hpp"
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
+#include "mapper/submaps/driving_loops.hpp"
 #include "nav/hotline.hpp"
 #include "nav/navigator.hpp"
 #include "nav/placing.hpp"
@@ -95,6 +96,8 @@ class RobotThreads {
   [[nodiscard]] const mapper::Mapper& mapper() const { return mapper_; }
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   [[nodiscard]] const Placing& placing() const { return placing_; }
+  /// Nothing without loops. The map was put right once more by stop().
+  [[nodiscard]] const mapper::submaps::DrivingLoops* loops() const { return loops_.get(); }
   [[nodiscard]] std::uint64_t pool_full_frames() const { return pool_full_frames_; }
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
   [[nodiscard]] std::uint64_t lost_poses() const { return lost_poses_; }
@@ -107,6 +110,7 @@ class RobotThreads {
   enum class Stage : std::uint8_t {
     read,            ///< camera: waiting for the frame included
     look,            ///< judging it
+    loops,           ///< submaps, and parts of a correction of the map
     align,           ///< the pose that fits what was seen before
     integrate,       ///< frame -> map
     end_to_end,      ///< the frame's stamp -> map updated
@@ -124,6 +128,8 @@ class RobotThreads {
   void mapper_loop();
   void navigator_loop();
   void integrate(JudgedFrame& judged);
+  [[nodiscard]] bool moves_map(hal::TimeNs stamp_ns);
+  void hand_over();
   void take_base(hal::TimeNs now);
   void take_words(hal::TimeNs now);
   void take_map(hal::TimeNs now);
@@ -140,7 +146,8 @@ class RobotThreads {
   hal::kobuki::BaseThread base_;
   Senses senses_;
   mapper::Mapper mapper_;
-  Placing placing_;  // the mapper thread's
+  Placing placing_;                                       // the mapper thread's
+  std::unique_ptr<mapper::submaps::DrivingLoops> loops_;  // as well
   Navigator navigator_;
 
   hal::FramePool pool_;
@@ -149,6 +156,9 @@ class RobotThreads {
   std::atomic<bool> navigators_turn_{false};  // who may touch the map, its changes and shown_
   hal::Parking map_waits_;
   JudgedFrame shown_;
+  enum class Showing : std::uint8_t { frame, map_moves, map_has_moved };
+  Showing showing_ = Showing::frame;
+  std::span<const std::uint32_t> moved_slots_;
   hal::Latest<hal::PlanarPose> T_world_odometry_;
   hal::Ring<hal::StampedPose> poses_;
   Hotline hotline_;

@@ -28,12 +28,14 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
                                     config.inflation_radius_m, config.inflation_decay_perm}),
       tight_(ground_.states(), inflation_, config.body_radius_m, kTightSpare_m),
       trace_(ground_.states(), config.body_radius_m),
+      field_(ground_.states()),
       low_view_(ground_.states(), config.low_view),
       near_watch_(ground_.states(), config.near_watch),
       moved_(ground_.states()),
       scan_(config.frame_view.depth_scan),
       passers_(ground_.states(), config.frame_view.passers),
       steps_(ground_.states(), config.frame_view.floor_steps),
+      scratch_(ground_.states().cells.size()),
       is_noted_(ground_.states().cells.size()),
       own_way_(tight_.cost()) {
   changed_.reserve(is_noted_.size());
@@ -58,7 +60,7 @@ void Surroundings::take_over_changes() {
   const std::span<const std::uint32_t> fresh = ground_.changed_cells().subspan(taken_over_);
   taken_over_ = ground_.changed_cells().size();
   if (fresh.empty()) return;
-  moved_.note(ground_, fresh, now_ns_);
+  if (!is_moving_) moved_.note(ground_, fresh, now_ns_);
   inflation_.update(ground_.states(), fresh);
   tight_.update(ground_.states(), inflation_, fresh);
   note_changed(fresh);
@@ -97,14 +99,24 @@ void Surroundings::on_frame(const hal::Frame& frame, const hal::CameraModel& cam
 void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
   now_ns_ = now;
   if (!trace_.tread(pose)) return;
+  here_ = pose;
+  way_.tread({now, pose.x_m, pose.y_m});
   ground_.mark_free_disc(pose.x_m, pose.y_m, body_radius_m_);
   take_over_changes();
   tight_.tread(ground_.states(), inflation_, pose.x_m, pose.y_m);
   note_changed(tight_.changed_cells());
+  find_near_touches();
+}
+
+void Surroundings::find_near_touches() {
   near_touches_.clear();
   for (const Waypoint& touch : touches_) {
-    if (distance_m(touch, pose.x_m, pose.y_m) < kNearTouch_m) near_touches_.push_back(touch);
+    if (distance_m(touch, here_.x_m, here_.y_m) < kNearTouch_m) near_touches_.push_back(touch);
   }
+}
+
+void Surroundings::mark_all_touches() {
+  for (std::size_t i = 0; i < touches_.size(); ++i) mark_touches_with(touches_[i], i);
 }
 
 // Touches near one another are of one thing: what lies between them is closed as well.
@@ -144,7 +156,7 @@ bool Surroundings::reopen() {
   if (!has_closed_) return false;
   has_closed_ = false;
   ground_.forget_contacts();
-  for (std::size_t i = 0; i < touches_.size(); ++i) mark_touches_with(touches_[i], i);
+  mark_all_touches();
   take_over_changes();
   return true;
 }
@@ -162,6 +174,37 @@ void Surroundings::forget_touches() {
   touches_.clear();
   near_touches_.clear();
   take_over_changes();
+}
+
+void Surroundings::move(const mapper::submaps::ChainMove& move) {
+  field_.compute(way_.places(), move);
+  for (Waypoint& touch : touches_) {
+    const Trodden there = field_.moved({0, touch.x_m, touch.y_m});
+    touch = {there.x_m, there.y_m};
+  }
+  way_.move(move);
+  low_view_.move(field_, scratch_);
+  steps_.move(field_, scratch_);
+
+  ground_.forget_marks();
+  has_closed_ = false;
+  trace_.clear();
+  for (const Trodden& place : way_.places()) {
+    (void)trace_.tread({place.x_m, place.y_m, 0.0});
+    ground_.mark_free_disc(place.x_m, place.y_m, body_radius_m_);
+    here_ = {place.x_m, place.y_m, 0.0};
+  }
+  steps_.for_steps([this](Cell c) { ground_.mark_step(c, true); });
+  mark_all_touches();
+  take_over_changes();
+  tight_.forget_way(ground_.states(), inflation_);
+  note_changed(tight_.changed_cells());
+  for (const Trodden& place : way_.places()) {
+    tight_.tread(ground_.states(), inflation_, place.x_m, place.y_m);
+    note_changed(tight_.changed_cells());
+  }
+  find_near_touches();
+  is_moving_ = false;
 }
 
 const CellGrid<std::uint8_t>& Surroundings::cost_of_own_way() {

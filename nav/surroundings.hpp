@@ -22,6 +22,7 @@
 #include "nav/near_watch.hpp"
 #include "nav/passers.hpp"
 #include "nav/tight_places.hpp"
+#include "nav/trodden_way.hpp"
 
 namespace g3d::nav {
 
@@ -68,6 +69,10 @@ class Surroundings final : public FloorKnowledge {
   /// from. False if that opens nothing.
   bool trust_own_way();
   void forget_touches();
+  /// While the map moves, a part with every on_map(): nobody has come where something stands now.
+  void begin_to_move() { is_moving_ = true; }
+  /// It has moved: so does all that is known besides the voxels. Takes some ten milliseconds.
+  void move(const mapper::submaps::ChainMove& move);
 
   [[nodiscard]] const GroundMap& ground() const { return ground_; }
   [[nodiscard]] const CellGrid<CellState>& states() const { return ground_.states(); }
@@ -88,14 +93,18 @@ class Surroundings final : public FloorKnowledge {
 
  private:
   void mark_touches_with(const Waypoint& touch, std::size_t others);
+  void mark_all_touches();
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
+  void find_near_touches();
 
   double body_radius_m_;
   GroundMap ground_;
   Inflation inflation_;
   TightPlaces tight_;
   BodyTrace trace_;
+  TroddenWay way_;
+  MoveField field_;
   LowView low_view_;
   NearWatch near_watch_;
   MovedLately moved_;
@@ -107,6 +116,9 @@ class Surroundings final : public FloorKnowledge {
   std::vector<Waypoint> touches_;
   bool has_closed_ = false;
   bool trusts_own_way_ = false;
+  bool is_moving_ = false;
+  hal::PlanarPose here_;
+  std::vector<std::uint8_t> scratch_;
   std::vector<Waypoint> near_touches_;  ///< near enough to matter for where the robot is
   std::vector<std::uint32_t> changed_;
   std::vector<std::uint8_t> is_noted_;

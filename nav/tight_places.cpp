@@ -71,6 +71,16 @@ void TightPlaces::tread(const CellGrid<CellState>& states, const Inflation& infl
   judge_noted(states, inflation);
 }
 
+void TightPlaces::forget_way(const CellGrid<CellState>& states, const Inflation& inflation) {
+  for (const std::uint32_t cell : own_way_) {
+    was_here_[cell] = 0;
+    note(cell);
+  }
+  own_way_.clear();
+  here_ = {-2, -2};
+  judge_noted(states, inflation);
+}
+
 bool TightPlaces::trust_own_way(const CellGrid<CellState>& states, const Inflation& inflation) {
   changed_.clear();
   if (trusts_own_way_) return false;

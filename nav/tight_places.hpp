@@ -28,6 +28,8 @@ class TightPlaces {
   void update(const CellGrid<CellState>& states, const Inflation& inflation, std::span<const std::uint32_t> changed);
   /// The body's centre is here. Where it has been, half a cell less than its radius is enough from now on.
   void tread(const CellGrid<CellState>& states, const Inflation& inflation, double x_m, double y_m);
+  /// The map has moved, and what was the body's way is elsewhere now: see tread().
+  void forget_way(const CellGrid<CellState>& states, const Inflation& inflation);
   /// From now on its own way is open wherever no obstacle stands right in it: a last resort for a robot that is cut off
   /// from where it came from. False if that opens nothing.
   bool trust_own_way(const CellGrid<CellState>& states, const Inflation& inflation);

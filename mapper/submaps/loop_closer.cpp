@@ -50,6 +50,19 @@ void LoopCloser::add_to_graph(const Loop& loop) {
   graph_.add_edge({loop.from, loop.to, loop.T_from_to, information_of(sigma), true});
 }
 
+hal::Pose LoopCloser::stored_pose(const Submap& submap, const hal::Pose& T_world_anchor) const {
+  hal::Pose pose = hal::compose(T_world_anchor, hal::inverse(submap.T_stored_anchor));
+  if (!options_.on_floor) return pose;
+  pose.translation_m[2] = 0.0;
+  pose.rotation_xyzw[0] = pose.rotation_xyzw[1] = 0.0;
+  return hal::normalised(pose);
+}
+
+void LoopCloser::add_following(const SubmapChain& chain) {
+  add_way(chain);
+  T_world_stored_.push_back(stored_pose(chain.submaps().back(), graph_.nodes().back()));
+}
+
 bool LoopCloser::add_submap(const SubmapChain& chain) {
   add_way(chain);
   bool is_news = false;
@@ -79,7 +92,7 @@ bool LoopCloser::add_submap(const SubmapChain& chain) {
     const align::Vector6 off = align::difference(submaps[i].T_world_anchor(), graph_.nodes()[i]);
     move_m = std::max(move_m, align::shift_of(off));
     turn_rad = std::max(turn_rad, align::turn_of(off));
-    T_world_stored_.push_back(hal::compose(graph_.nodes()[i], hal::inverse(submaps[i].T_stored_anchor)));
+    T_world_stored_.push_back(stored_pose(submaps[i], graph_.nodes()[i]));
   }
   if (move_m < options_.least_move_m && turn_rad < options_.least_turn_rad) return false;
   ++corrections_;

@@ -34,6 +34,7 @@ struct CloserOptions {
   double most_off_rad = 0.03;
   double least_move_m = 0.05;  ///< of any submap; else the view is left as it is
   double least_turn_rad = 0.015;
+  bool on_floor = false;  ///< submaps are moved along the floor and turned about the vertical, and nothing else
 };
 
 class LoopCloser {
@@ -42,6 +43,9 @@ class LoopCloser {
 
   /// After every finish_submap(). True: the poses have moved, see T_world_stored().
   [[nodiscard]] bool add_submap(const SubmapChain& chain);
+  /// The same without looking for loops, right after poses have moved: the newest submap goes along with the one
+  /// before.
+  void add_following(const SubmapChain& chain);
   /// For SubmapChain::place().
   [[nodiscard]] const std::vector<hal::Pose>& T_world_stored() const { return T_world_stored_; }
 
@@ -52,6 +56,7 @@ class LoopCloser {
   [[nodiscard]] bool speaks_for(const Loop& a, const Loop& b) const;
   void add_to_graph(const Loop& loop);
   void add_way(const SubmapChain& chain);
+  [[nodiscard]] hal::Pose stored_pose(const Submap& submap, const hal::Pose& T_world_anchor) const;
 
   CloserOptions options_;
   LoopFinder finder_;

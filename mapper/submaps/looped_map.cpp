@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/looped_map.hpp"
 
-#include <algorithm>
+#include "mapper/submaps/chain_move.hpp"
 
 namespace g3d::mapper::submaps {
 
@@ -31,19 +31,10 @@ CloserReport LoopedMap::report() const {
 
 bool LoopedMap::finish() {
   if (!chain_.finish_submap(sketch_.take()) || !closer_.add_submap(chain_)) return false;
-  const auto submaps = chain_.submaps();
-  std::vector<hal::Pose> moves;
-  std::vector<hal::TimeNs> begins_ns;
-  for (std::size_t i = 0; i < submaps.size(); ++i) {
-    moves.push_back(hal::compose(closer_.T_world_stored()[i], hal::inverse(submaps[i].T_world_stored)));
-    begins_ns.push_back(submaps[i].first_ns);
-  }
+  const ChainMove move(chain_.submaps(), closer_.T_world_stored());
   chain_.place(closer_.T_world_stored());
   chain_.rebuild();
-  aligner_.correct(moves.back(), [&](hal::TimeNs born_ns) {
-    const auto after = std::upper_bound(begins_ns.begin(), begins_ns.end(), born_ns);
-    return after == begins_ns.begin() ? hal::Pose{} : moves[static_cast<std::size_t>(after - begins_ns.begin()) - 1];
-  });
+  aligner_.correct(move.newest(), [&](hal::TimeNs born_ns) { return move.at(born_ns); });
   return true;
 }
 

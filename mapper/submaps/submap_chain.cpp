@@ -17,11 +17,6 @@ bool knows_any(const BlockValues& values) {
   return std::any_of(values.begin(), values.end(), [](Rgbo v) { return state_of(v) != State::unknown; });
 }
 
-void sort_and_drop_repeats(std::vector<BlockKey>& keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-}
-
 std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
   const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(blocks, 1));
   return std::make_unique<VoxelMap>(grid, MapCapacity{count, count, count * kBricksPerBlock});
@@ -30,7 +25,11 @@ std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
 }  // namespace
 
 SubmapChain::SubmapChain(VoxelMap& view, const ChainOptions& options)
-    : view_(view), options_(options), is_noted_(view.capacity().blocks, 0), surfaces_({.slots = kSurfaceSlots}) {
+    : view_(view),
+      options_(options),
+      placed_(std::make_unique<PlacedSubmaps>(view.grid())),
+      is_noted_(view.capacity().blocks, 0),
+      surfaces_({.slots = kSurfaceSlots}) {
   changed_slots_.reserve(is_noted_.size());
 }
 
@@ -110,42 +109,23 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
   surfaces_.clear();
   submap.space = std::move(space);
   submaps_.push_back(std::move(submap));
-  samplers_.emplace_back();
-  sample_anew(submaps_.size() - 1);
+  placed_->add(*submaps_.back().voxels, submaps_.back().T_world_stored);
   return true;
 }
 
-void SubmapChain::sample_anew(std::size_t index) {
-  Submap& submap = submaps_[index];
-  samplers_[index] = std::make_unique<MapSampler>(*submap.voxels, submap.T_world_stored, view_.grid(), hal::Pose{});
-  submap.view_keys.clear();
-  samplers_[index]->add_target_keys(submap.view_keys);
-  sort_and_drop_repeats(submap.view_keys);
-}
-
-void SubmapChain::place(std::span<const hal::Pose> T_world_stored) {
+void SubmapChain::place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed) {
   assert(T_world_stored.size() == submaps_.size());
+  if (placed == nullptr) placed = std::make_unique<PlacedSubmaps>(view_.grid());
   for (std::size_t i = 0; i < submaps_.size(); ++i) {
     submaps_[i].T_world_stored = T_world_stored[i];
-    sample_anew(i);
+    if (i >= placed->size()) placed->add(*submaps_[i].voxels, T_world_stored[i]);
   }
-}
-
-bool SubmapChain::read_block(BlockKey key, BlockValues& out) {
-  out.fill(kUnknownRgbo);
-  for (std::size_t i = submaps_.size(); i-- > 0;) {
-    const auto& keys = submaps_[i].view_keys;
-    if (!std::binary_search(keys.begin(), keys.end(), key)) continue;
-    if (samplers_[i]->sample_unknown(key, out)) break;
-  }
-  return knows_any(out);
+  placed_ = std::move(placed);
 }
 
 void SubmapChain::rebuild() {
   assert(passed_.empty());
-  std::vector<BlockKey> keys;
-  for (const Submap& submap : submaps_) keys.insert(keys.end(), submap.view_keys.begin(), submap.view_keys.end());
-  sort_and_drop_repeats(keys);
+  const std::vector<BlockKey> keys = placed_->keys();
   BlockValues values;
   for (const BlockKey key : view_.sorted_keys()) {
     if (!std::binary_search(keys.begin(), keys.end(), key)) view_.erase_block(key);
@@ -188,10 +168,9 @@ hal::Pose SubmapChain::correction_at(hal::TimeNs stamp_ns) const {
 }
 
 std::uint64_t SubmapChain::memory_bytes() const {
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = placed_->memory_bytes();
   for (const Submap& submap : submaps_) {
-    bytes += submap.voxels->memory().used_bytes + submap.view_keys.size() * sizeof(BlockKey) +
-             submap.surfaces.size() * sizeof(align::DepthSample) +
+    bytes += submap.voxels->memory().used_bytes + submap.surfaces.size() * sizeof(align::DepthSample) +
              (submap.space != nullptr ? submap.space->memory().used_bytes : 0);
   }
   return bytes;

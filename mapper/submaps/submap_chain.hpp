@@ -16,7 +16,7 @@
 #include "hal/geometry.hpp"
 #include "hal/messages.hpp"
 #include "mapper/align/surface_map.hpp"
-#include "mapper/map_sampler.hpp"
+#include "mapper/submaps/placed_submaps.hpp"
 #include "mapper/voxel_map.hpp"
 
 namespace g3d::mapper::submaps {
@@ -39,7 +39,6 @@ struct Submap {
   std::unique_ptr<VoxelMap> voxels;  ///< stored codes
   std::vector<align::DepthSample> surfaces;  ///< all that its frames have shown, in the frame of its voxels
   std::unique_ptr<VoxelMap> space;           ///< the same, coarse, may be nullptr
-  std::vector<BlockKey> view_keys;           ///< blocks of the view that it may touch, ascending
 
   [[nodiscard]] hal::Pose T_world_anchor() const { return hal::compose(T_world_stored, T_stored_anchor); }
 };
@@ -63,12 +62,16 @@ class SubmapChain {
   bool finish_submap(std::unique_ptr<VoxelMap> space = nullptr);
 
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
-  /// Where each stands from now on; one pose each. The view is as it was until rebuild().
-  void place(std::span<const hal::Pose> T_world_stored);
+  /// Where each stands from now on; one pose each. The view is as it was until rebuild(). `placed`: the same submaps at
+  /// these poses, if somebody has them already.
+  void place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed = nullptr);
+  [[nodiscard]] const VoxelMap& view() const { return view_; }
   /// The view from the submaps alone: only after finish_submap() and before the next frame.
   void rebuild();
   /// One block of it, stored codes. False if no submap knows any voxel of it.
-  bool read_block(BlockKey key, BlockValues& out);
+  bool read_block(BlockKey key, BlockValues& out) { return placed_->read_block(key, out); }
+  /// All of them where they stand.
+  [[nodiscard]] const PlacedSubmaps& placed() const { return *placed_; }
   /// What the frames of a part of the chain have shown, in the frame of one anchor.
   [[nodiscard]] Surroundings surroundings(std::size_t first, std::size_t end, std::size_t at) const;
 
@@ -79,7 +82,6 @@ class SubmapChain {
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
 
  private:
-  void sample_anew(std::size_t submap);
   void note(std::uint32_t slot);
 
   struct Passed {
@@ -93,7 +95,7 @@ class SubmapChain {
   VoxelMap& view_;
   ChainOptions options_;
   std::vector<Submap> submaps_;
-  std::vector<std::unique_ptr<MapSampler>> samplers_;  ///< of each submap, from the view's grid
+  std::unique_ptr<PlacedSubmaps> placed_;
   std::vector<std::uint32_t> changed_slots_;
   std::vector<std::uint8_t> is_noted_;  ///< by slot
   align::SurfaceMap surfaces_;          ///< since the last submap

@@ -317,3 +317,29 @@ TEST_CASE("Whoever else chooses the goals drives the same robot, is told what be
   CHECK(told.failed == 1);   // beyond the wall
   CHECK(world.robot.contacts() == 0);
 }
+
+TEST_CASE("While the map moves it stands, and it goes on where it is then") {
+  World world(two_rooms(), {1.0, 1.0, 0.0}, kTwoRooms);
+  world.run(25.0);
+  REQUIRE(world.navigator.mission().state() == MissionState::exploring);
+  world.navigator.on_map_moving(world.floor.map(), {});
+  CHECK(world.navigator.step(world.now) == hal::Twist{});
+  // Touched meanwhile, and still: it is told of it afterwards.
+  nav::BaseView view;
+  view.T_world_base = world.robot.pose();
+  view.verdict = world.verdict;
+  view.bumper = hal::kobuki::kBumperCentre;
+  world.navigator.on_base(view, world.now);
+  CHECK(world.navigator.step(world.now) == hal::Twist{});
+  world.navigator.on_map_moving(world.floor.map(), world.floor.changed_slots());
+  CHECK(world.navigator.step(world.now) == hal::Twist{});
+  const std::uint64_t contacts = world.navigator.report().recoveries;
+  const hal::PlanarPose home = world.navigator.home();
+  world.navigator.on_map_moved(
+      mapper::submaps::ChainMove({0, world.now - 1}, {{}, hal::from_xyz_rpy(0.0, 0.0, 0, 0, 0, 0)}), world.now);
+  CHECK(world.navigator.home() == home);
+  world.navigator.on_base(view, world.now);
+  CHECK(world.navigator.report().recoveries == contacts + 1);
+  CHECK(world.reaches(MissionState::home, 300.0));
+  CHECK(world.floor.coverage(world.navigator.ground().states()) > 0.0);
+}

@@ -24,15 +24,6 @@ hal::Pose on_floor(const hal::PlanarPose& p) { return hal::from_xyz_rpy(p.x_m, p
 
 }  // namespace
 
-TEST_CASE("planar poses compose as rigid ones do", "[nav][placing]") {
-  const hal::PlanarPose a{1.0, -2.0, 2.5};
-  const hal::PlanarPose b{0.3, 0.4, 1.2};
-  check_same(compose(a, b), on_plane(hal::compose(on_floor(a), on_floor(b))), 1e-12);
-  check_same(compose(a, inverse(a)), {}, 1e-12);
-  check_same(compose(inverse(b), b), {}, 1e-12);
-  check_same(on_plane(on_floor(a)), a, 1e-12);
-}
-
 TEST_CASE("where odometry is believed nothing is touched", "[nav][placing]") {
   Placing placing(std::nullopt, hal::scaled_kinect(160, 120), {});
   Sight sight;

@@ -76,11 +76,12 @@ struct Place final : hal::ByteLine, hal::DepthCamera {
 };
 
 struct Live {
-  explicit Live(double battery_V = 16.0) : place(hal::load_world("two_rooms").value(), battery_V) {}
+  explicit Live(double battery_V = 16.0, const std::function<void(RobotConfig&)>& with = {})
+      : place(hal::load_world("two_rooms").value(), battery_V), robot(config(place, with), parts()) {}
   Place place;
-  RobotThreads robot{config(place), parts()};
+  RobotThreads robot;
 
-  static RobotThreadsConfig config(const Place& place) {
+  static RobotThreadsConfig config(const Place& place, const std::function<void(RobotConfig&)>& with) {
     RobotThreadsConfig config;
     config.robot.mapper.resolution_m = 0.1F;
     config.robot.mapper.capacity = mapper::capacity_for_bytes(32'000'000);
@@ -97,6 +98,7 @@ struct Live {
     times.silent_camera_ns = times.stale_command_ns = 2'000 * kMs;
     config.robot.frame_watch.max_age_ns = 2'000 * kMs;
     config.coverage_period_ns = 100 * kMs;
+    if (with) with(config.robot);
     return config;
   }
   RobotParts parts() {
@@ -220,4 +222,33 @@ TEST_CASE("a robot that was never started stops, and one that was stopped is not
   live.robot.start();
   CHECK(live.robot.frames().delivered == 0);
   CHECK_FALSE(live.robot.camera_has_ended());
+}
+
+TEST_CASE("in threads, the map is put right while the robot stands, and every frame is accounted for", "[threads]") {
+  // Submaps after a part of a turn, and every loop is worth a move: so that there are some within seconds.
+  Live live(16.0, [](RobotConfig& config) {
+    config.align.emplace();
+    config.align->surface.slots = std::size_t{1} << 16;
+    config.loops.emplace();
+    config.loops->chain = {.most_way_m = 0.5, .most_turn_rad = 0.7, .most_s = 1.0};
+    config.loops->answer_after_ns = 0;
+    config.loops->most_blocks_per_frame = 20;
+    mapper::submaps::CloserOptions& closer = config.loops->closer;
+    closer.finder.least_age = 1;
+    closer.finder.most_candidates = 4;
+    closer.finder.most_apart_m = closer.most_off_m = 0.5;
+    closer.finder.most_apart_rad = closer.most_off_rad = 0.5;
+    closer.least_move_m = closer.least_turn_rad = 0.0;
+  });
+  live.place.frame_period_ns = 30 * kMs;
+  live.robot.start();
+  const auto moved = [&] { return live.robot.frames().dropped[static_cast<std::size_t>(hal::DropReason::map_moving)]; };
+  CHECK(live.becomes_true([&] { return moved() > 3; }));
+  const double before_m = live.place.driven_m();
+  CHECK(live.becomes_true([&] { return live.place.driven_m() > before_m + 0.3; }));  // and it goes on
+  live.robot.stop();
+  REQUIRE(live.robot.loops() != nullptr);
+  const mapper::submaps::CloserReport report = live.robot.loops()->report();
+  CHECK(report.corrections > 0);
+  CHECK(live.robot.frames().balanced());
 }

@@ -205,3 +205,91 @@ TEST_CASE("Somebody who walks across is in the way long before the map knows him
   arc.gather(here.states(), {}, &here);
   CHECK(arc.look(0.0, 1.55).clear_m > kEmpty_m);  // and nobody is remembered where the camera has looked through since
 }
+
+namespace {
+
+/// A map in which everything stands one block farther in x, as a part of it at a time would be moved.
+struct ShiftedMap {
+  explicit ShiftedMap(const mapper::VoxelMap& from) : map(from.grid(), from.capacity()) {
+    mapper::BlockValues values;
+    for (const mapper::BlockKey key : from.sorted_keys()) {
+      (void)from.read_stored_block(key, values);
+      REQUIRE(map.write_block(key, values));
+    }
+  }
+  /// Returns the slots that are empty now.
+  std::vector<std::uint32_t> take_away() {
+    std::vector<std::uint32_t> slots;
+    for (const mapper::BlockKey key : map.sorted_keys()) {
+      mapper::BlockValues values;
+      (void)map.read_stored_block(key, values);
+      const mapper::VoxelIndex v = mapper::block_origin(key);
+      blocks.push_back({mapper::block_of({v.x + mapper::kBlockSide_cells, v.y, v.z}), values});
+      slots.push_back(map.find(key));
+      map.erase_block(key);
+    }
+    return slots;
+  }
+  /// Returns the slots that are full now.
+  std::vector<std::uint32_t> put_down() {
+    std::vector<std::uint32_t> slots;
+    for (const auto& [key, values] : blocks) {
+      REQUIRE(map.write_block(key, values));
+      slots.push_back(map.find(key));
+    }
+    return slots;
+  }
+  mapper::VoxelMap map;
+  std::vector<std::pair<mapper::BlockKey, mapper::BlockValues>> blocks;
+};
+
+constexpr double kBlock_m = 0.4;
+
+}  // namespace
+
+TEST_CASE("After the map has moved everything is as if it had always been there", "[nav][surroundings]") {
+  Scene scene({{2.0, -3, 2.2, 3}});
+  Scene elsewhere({});  // whose robot stands where the first one's map goes
+  const auto at = [](double x_m, double y_m, double heading_rad) { return hal::PlanarPose{x_m, y_m, heading_rad}; };
+  scene.look(1);
+  // A touch, floor that only the body knows, and a way.
+  for (int i = 0; i < 12; ++i) {
+    scene.here.on_pose(at(0.05 * i, 0.0, 0.0), 2 + i);
+    elsewhere.here.on_pose(at(0.05 * i + kBlock_m, 0.0, 0.0), 2 + i);
+  }
+  scene.here.on_touch(at(0.55, 0.0, 0.0), 0.0);
+  ShiftedMap shifted(scene.floor.map());
+  elsewhere.here.on_pose(at(0.55 + kBlock_m, 0.0, 0.0), 20);
+
+  ShiftedMap target(scene.floor.map());
+  (void)target.take_away();
+  (void)target.put_down();
+  const auto all_of = [](const mapper::VoxelMap& map) {
+    std::vector<std::uint32_t> slots;
+    for (std::uint32_t slot = 0; slot < map.slot_end(); ++slot) slots.push_back(slot);
+    return slots;
+  };
+  elsewhere.here.on_map(target.map, all_of(target.map), at(0.55 + kBlock_m, 0.0, 0.0));
+  elsewhere.here.on_touch(at(0.55 + kBlock_m, 0.0, 0.0), 0.0);
+
+  scene.here.on_map(shifted.map, all_of(shifted.map), at(0.55, 0.0, 0.0));  // the copy has slots of its own
+  scene.here.begin_to_move();
+  const auto gone = shifted.take_away();
+  scene.here.on_map(shifted.map, gone, at(0.55, 0.0, 0.0));
+  const auto come = shifted.put_down();
+  scene.here.on_map(shifted.map, come, at(0.55, 0.0, 0.0));
+  scene.here.move(mapper::submaps::ChainMove({0}, {hal::from_xyz_rpy(kBlock_m, 0, 0, 0, 0, 0)}));
+
+  const auto& states = scene.here.states();
+  for (std::size_t i = 0; i < states.cells.size(); ++i) {
+    const nav::Cell c = states.cell(i);
+    INFO(states.centre_x_m(c) << " " << states.centre_y_m(c));
+    REQUIRE(states.cells[i] == elsewhere.here.states().cells[i]);
+    REQUIRE(scene.here.cost().cells[i] == elsewhere.here.cost().cells[i]);
+    REQUIRE(scene.here.is_suspect(c) == elsewhere.here.is_suspect(c));
+  }
+  CHECK(states.at(scene.cell(2.42, 0.0)) == CellState::occupied);
+  CHECK(scene.here.is_seen(scene.cell(0.9, 0.0)));
+  // Nobody has come: these walls stood there all the time.
+  CHECK_FALSE(scene.here.is_unwatched(scene.cell(2.42, 0.0)));
+}
