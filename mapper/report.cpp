@@ -65,7 +65,10 @@ void write_alignment(JsonWriter& json, const AlignmentReport& alignment) {
 
 void write_loops(JsonWriter& json, const submaps::CloserReport& loops) {
   json.key("loops").begin_object();
-  json.member("submaps", loops.submaps).member("edges", loops.edges).member("loops", loops.loops);
+  json.member("submaps", loops.submaps)
+      .member("joined", loops.joined)
+      .member("edges", loops.edges)
+      .member("loops", loops.loops);
   json.member("alone", loops.alone).member("disbelieved", loops.disbelieved);
   json.key("candidates").begin_object();
   json.member("tried", loops.finder.tried).member("refused", loops.finder.refused);

@@ -19,7 +19,7 @@ DrivingLoops::DrivingLoops(VoxelMap& view, const hal::CameraModel& camera, const
       sketch_(camera),
       chain_(view, options.chain),
       view_move_(view),
-      search_(on_floor(options.closer)) {}
+      search_(on_floor(options.closer), options.join) {}
 
 void DrivingLoops::ask(hal::TimeNs stamp_ns) {
   asked_ns_ = stamp_ns;

@@ -31,6 +31,7 @@ namespace g3d::mapper::submaps {
 struct DrivingOptions {
   ChainOptions chain;
   CloserOptions closer;
+  JoinRule join;
   hal::TimeNs answer_after_ns = 2'000'000'000;  ///< an answer is looked at so long after the question at the earliest
   bool is_lockstep = false;
   std::size_t most_blocks_per_frame = 2048;  ///< of a move

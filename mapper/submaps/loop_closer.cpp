@@ -50,6 +50,12 @@ void LoopCloser::add_to_graph(const Loop& loop) {
   graph_.add_edge({loop.from, loop.to, loop.T_from_to, information_of(sigma), true});
 }
 
+void LoopCloser::join(std::uint32_t submap, const hal::Pose& T_next_one) {
+  std::erase_if(alone_, [&](Loop& loop) { return !join_ends(loop, submap, T_next_one); });
+  graph_.join(submap, T_next_one);
+  ++joined_;
+}
+
 hal::Pose LoopCloser::stored_pose(const Submap& submap, const hal::Pose& T_world_anchor) const {
   hal::Pose pose = hal::compose(T_world_anchor, hal::inverse(submap.T_stored_anchor));
   if (!options_.on_floor) return pose;
@@ -105,6 +111,7 @@ CloserReport LoopCloser::report() const {
   report.finder = finder_.report();
   report.submaps = graph_.nodes().size();
   report.edges = graph_.edges().size();
+  report.joined = joined_;
   report.alone = alone_.size();
   for (const GraphEdge& edge : graph_.edges()) {
     report.loops += edge.is_loop ? 1 : 0;

@@ -46,6 +46,8 @@ class LoopCloser {
   /// The same without looking for loops, right after poses have moved: the newest submap goes along with the one
   /// before.
   void add_following(const SubmapChain& chain);
+  /// A submap and the next, neither of them the newest, have become one: see SubmapChain::join().
+  void join(std::uint32_t submap, const hal::Pose& T_next_one);
   /// For SubmapChain::place().
   [[nodiscard]] const std::vector<hal::Pose>& T_world_stored() const { return T_world_stored_; }
 
@@ -63,6 +65,7 @@ class LoopCloser {
   PoseGraph graph_;
   std::vector<Loop> alone_;
   std::vector<hal::Pose> T_world_stored_;
+  std::uint64_t joined_ = 0;
   std::uint64_t corrections_ = 0;
   double largest_move_m_ = 0.0;
 };

@@ -2,6 +2,7 @@
 #include "mapper/submaps/loop_finder.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "mapper/align/pose_step.hpp"
@@ -43,7 +44,11 @@ std::vector<std::uint32_t> LoopFinder::candidates(const SubmapChain& chain) cons
   const hal::Pose here = submaps.back().T_world_anchor();
   std::vector<std::pair<double, std::uint32_t>> near;
   for (std::size_t i = 0; i + options_.least_age < submaps.size(); ++i) {
-    const double distance_m = align::shift_of(align::difference(submaps[i].T_world_anchor(), here));
+    double distance_m = std::numeric_limits<double>::infinity();
+    for (const hal::Pose& station : submaps[i].T_stored_stations) {
+      const hal::Pose there = hal::compose(submaps[i].T_world_stored, station);
+      distance_m = std::min(distance_m, align::shift_of(align::difference(there, here)));
+    }
     if (distance_m <= options_.most_distance_m) near.emplace_back(distance_m, static_cast<std::uint32_t>(i));
   }
   std::sort(near.begin(), near.end());

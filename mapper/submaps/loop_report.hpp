@@ -16,6 +16,7 @@ struct FinderReport {
 struct CloserReport {
   FinderReport finder;
   std::uint64_t submaps = 0;
+  std::uint64_t joined = 0;  ///< old ones that have become part of the one before
   std::uint64_t edges = 0;
   std::uint64_t loops = 0;        ///< in the graph
   std::uint64_t alone = 0;        ///< that nobody speaks for (yet)

@@ -6,14 +6,15 @@
 
 namespace g3d::mapper::submaps {
 
-LoopSearch::LoopSearch(const CloserOptions& options) : closer_(options), thread_([this] { work(); }) {}
+LoopSearch::LoopSearch(const CloserOptions& options, const JoinRule& join)
+    : closer_(options), join_(join), thread_([this] { work(); }) {}
 
 LoopSearch::~LoopSearch() {
   questions_.stop();
   thread_.join();
 }
 
-void LoopSearch::ask(const SubmapChain& chain) {
+void LoopSearch::ask(SubmapChain& chain) {
   assert(!is_busy());
   chain_ = &chain;
   state_.store(State::asked, std::memory_order_release);
@@ -40,6 +41,7 @@ void LoopSearch::work() {
 }
 
 void LoopSearch::answer() {
+  join_old(*chain_, closer_, join_);
   if (!closer_.add_submap(*chain_)) return;
   moved_.placed = std::make_unique<PlacedSubmaps>(chain_->view().grid());
   const auto submaps = chain_->submaps();

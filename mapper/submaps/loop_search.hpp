@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks for loops in a thread of its own, so that mapping goes on meanwhile: it takes up to a second. One question at a
-// time; from ask() to take() nobody finishes a submap of that chain, places one, or touches the closer. Frames may be
-// added to the chain. Thread: all calls from one, which owns the chain. The thread allocates, its owner does not wait
-// for it unless it calls wait().
+// Looks for loops, and joins submaps that are old, in a thread of its own, so that mapping goes on meanwhile: it takes
+// up to a second. One question at a time; from ask() to take() nobody looks at that chain's submaps, finishes one,
+// places one, or touches the closer. Frames may be added to the chain. Thread: all calls from one, which owns the
+// chain. The thread allocates, its owner does not wait for it unless it calls wait().
 #pragma once
 
 #include <atomic>
@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "hal/parking.hpp"
+#include "mapper/submaps/join_old.hpp"
 #include "mapper/submaps/loop_closer.hpp"
 #include "mapper/submaps/placed_submaps.hpp"
 #include "mapper/submaps/submap_chain.hpp"
@@ -25,13 +26,13 @@ struct MovedSubmaps {
 
 class LoopSearch {
  public:
-  explicit LoopSearch(const CloserOptions& options = {});
+  explicit LoopSearch(const CloserOptions& options = {}, const JoinRule& join = {});
   ~LoopSearch();
   LoopSearch(const LoopSearch&) = delete;
   LoopSearch& operator=(const LoopSearch&) = delete;
 
   /// The chain has a new submap. Not while it is busy.
-  void ask(const SubmapChain& chain);
+  void ask(SubmapChain& chain);
   [[nodiscard]] bool is_busy() const { return state_.load(std::memory_order_acquire) != State::idle; }
   [[nodiscard]] bool has_answer() const { return state_.load(std::memory_order_acquire) == State::answered; }
   void wait();
@@ -47,7 +48,8 @@ class LoopSearch {
   void answer();
 
   LoopCloser closer_;
-  const SubmapChain* chain_ = nullptr;
+  JoinRule join_;
+  SubmapChain* chain_ = nullptr;
   MovedSubmaps moved_;
   std::atomic<State> state_{State::idle};
   hal::Parking questions_;

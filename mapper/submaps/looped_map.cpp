@@ -6,7 +6,11 @@
 namespace g3d::mapper::submaps {
 
 LoopedMap::LoopedMap(VoxelMap& view, const hal::CameraModel& camera, const LoopedOptions& options)
-    : aligner_(options.align, camera), sketch_(camera), chain_(view, options.chain), closer_(options.closer) {}
+    : aligner_(options.align, camera),
+      sketch_(camera),
+      chain_(view, options.chain),
+      join_(options.join),
+      closer_(options.closer) {}
 
 const align::AlignResult& LoopedMap::align(const hal::Frame& frame, const hal::Pose& T_odometry_camera,
                                            const align::SeenSpace* space) {
@@ -30,7 +34,9 @@ CloserReport LoopedMap::report() const {
 }
 
 bool LoopedMap::finish() {
-  if (!chain_.finish_submap(sketch_.take()) || !closer_.add_submap(chain_)) return false;
+  if (!chain_.finish_submap(sketch_.take())) return false;
+  join_old(chain_, closer_, join_);
+  if (!closer_.add_submap(chain_)) return false;
   const ChainMove move(chain_.submaps(), closer_.T_world_stored());
   chain_.place(closer_.T_world_stored());
   chain_.rebuild();

@@ -15,6 +15,7 @@
 
 #include "hal/messages.hpp"
 #include "mapper/align/aligner.hpp"
+#include "mapper/submaps/join_old.hpp"
 #include "mapper/submaps/loop_closer.hpp"
 #include "mapper/submaps/space_sketch.hpp"
 #include "mapper/submaps/submap_chain.hpp"
@@ -25,6 +26,7 @@ struct LoopedOptions {
   align::AlignOptions align;
   ChainOptions chain;
   CloserOptions closer;
+  JoinRule join;
 };
 
 class LoopedMap {
@@ -54,6 +56,7 @@ class LoopedMap {
   align::Aligner aligner_;
   SpaceSketch sketch_;
   SubmapChain chain_;
+  JoinRule join_;
   LoopCloser closer_;
   align::AlignResult last_;
 };

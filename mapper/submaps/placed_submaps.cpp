@@ -18,16 +18,26 @@ void sort_and_drop_repeats(std::vector<BlockKey>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
+std::unique_ptr<PlacedSubmaps::Placed> PlacedSubmaps::place(const VoxelMap& voxels,
+                                                            const hal::Pose& T_world_stored) const {
+  auto placed = std::make_unique<Placed>(Placed{MapSampler(voxels, T_world_stored, grid_, hal::Pose{}), {}});
+  placed->sampler.add_target_keys(placed->keys);
+  sort_and_drop_repeats(placed->keys);
+  return placed;
+}
+
 void PlacedSubmaps::add(const VoxelMap& voxels, const hal::Pose& T_world_stored) {
-  Placed placed{MapSampler(voxels, T_world_stored, grid_, hal::Pose{}), {}};
-  placed.sampler.add_target_keys(placed.keys);
-  sort_and_drop_repeats(placed.keys);
-  placed_.push_back(std::move(placed));
+  placed_.push_back(place(voxels, T_world_stored));
+}
+
+void PlacedSubmaps::join(std::size_t submap, const VoxelMap& voxels, const hal::Pose& T_world_stored) {
+  placed_[submap] = place(voxels, T_world_stored);
+  placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(submap) + 1);
 }
 
 std::vector<BlockKey> PlacedSubmaps::keys() const {
   std::vector<BlockKey> all;
-  for (const Placed& placed : placed_) all.insert(all.end(), placed.keys.begin(), placed.keys.end());
+  for (const auto& placed : placed_) all.insert(all.end(), placed->keys.begin(), placed->keys.end());
   sort_and_drop_repeats(all);
   return all;
 }
@@ -35,9 +45,9 @@ std::vector<BlockKey> PlacedSubmaps::keys() const {
 bool PlacedSubmaps::read_block(BlockKey key, BlockValues& out) {
   out.fill(kUnknownRgbo);
   for (std::size_t i = placed_.size(); i-- > 0;) {
-    const auto& keys = placed_[i].keys;
+    const auto& keys = placed_[i]->keys;
     if (!std::binary_search(keys.begin(), keys.end(), key)) continue;
-    if (placed_[i].sampler.sample_unknown(key, out)) break;
+    if (placed_[i]->sampler.sample_unknown(key, out)) break;
   }
   return knows_any(out);
 }
@@ -57,7 +67,7 @@ std::unique_ptr<VoxelMap> PlacedSubmaps::whole() {
 
 std::uint64_t PlacedSubmaps::memory_bytes() const {
   std::uint64_t bytes = 0;
-  for (const Placed& placed : placed_) bytes += placed.keys.size() * sizeof(BlockKey);
+  for (const auto& placed : placed_) bytes += placed->keys.size() * sizeof(BlockKey);
   return bytes;
 }
 

@@ -22,9 +22,11 @@ class PlacedSubmaps {
 
   /// The next newer one. `voxels` outlives this.
   void add(const VoxelMap& voxels, const hal::Pose& T_world_stored);
+  /// One of them and the next have become one.
+  void join(std::size_t submap, const VoxelMap& voxels, const hal::Pose& T_world_stored);
   [[nodiscard]] std::size_t size() const { return placed_.size(); }
   /// Blocks of the common map that one of them may touch, ascending.
-  [[nodiscard]] std::span<const BlockKey> keys_of(std::size_t submap) const { return placed_[submap].keys; }
+  [[nodiscard]] std::span<const BlockKey> keys_of(std::size_t submap) const { return placed_[submap]->keys; }
   /// The same for all of them together, each once.
   [[nodiscard]] std::vector<BlockKey> keys() const;
   /// One block, stored codes. False if no submap knows any voxel of it.
@@ -38,8 +40,10 @@ class PlacedSubmaps {
     MapSampler sampler;
     std::vector<BlockKey> keys;
   };
+  [[nodiscard]] std::unique_ptr<Placed> place(const VoxelMap& voxels, const hal::Pose& T_world_stored) const;
+
   Grid grid_;
-  std::vector<Placed> placed_;
+  std::vector<std::unique_ptr<Placed>> placed_;
 };
 
 void sort_and_drop_repeats(std::vector<BlockKey>& keys);

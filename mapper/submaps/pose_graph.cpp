@@ -75,6 +75,29 @@ align::Matrix6 information_of(const EdgeSigma& sigma) {
   return m;
 }
 
+// A turn about `to` shifts what is fixed to it.
+align::Matrix6 information_at(const align::Matrix6& information, const hal::Pose& T_to_new) {
+  Block back = Block::Zero();
+  const Matrix3 turn = rotation_of(T_to_new);
+  back.topLeftCorner<3, 3>() = turn;
+  back.bottomRightCorner<3, 3>() = turn;
+  back.topRightCorner<3, 3>() = cross(place_of(T_to_new)) * turn;
+  const Block moved = back.transpose() * block_of_information(information) * back;
+  align::Matrix6 m{};
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) m[static_cast<std::size_t>(6 * i + j)] = moved(i, j);
+  }
+  return m;
+}
+
+void PoseGraph::join(std::uint32_t node, const hal::Pose& T_next_node) {
+  std::erase_if(edges_, [&](GraphEdge& edge) {
+    if (edge.to == node + 1) edge.information = information_at(edge.information, T_next_node);
+    return !join_ends(edge, node, T_next_node);
+  });
+  nodes_.erase(nodes_.begin() + node + 1);
+}
+
 std::uint32_t PoseGraph::add_node(const hal::Pose& T_world_node) {
   nodes_.push_back(T_world_node);
   return static_cast<std::uint32_t>(nodes_.size() - 1);

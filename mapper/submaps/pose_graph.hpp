@@ -34,6 +34,18 @@ struct EdgeSigma {
   double heading_rad = 0.004;
 };
 [[nodiscard]] align::Matrix6 information_of(const EdgeSigma& sigma);
+/// Of the same edge, measured to something that is fixed to `to`.
+[[nodiscard]] align::Matrix6 information_at(const align::Matrix6& information, const hal::Pose& T_to_new);
+
+/// What has `from`, `to` and T_from_to, after PoseGraph::join(). False: it has no two ends any more.
+template <typename Edge>
+[[nodiscard]] bool join_ends(Edge& edge, std::uint32_t node, const hal::Pose& T_next_node) {
+  if (edge.to == node + 1) edge.T_from_to = hal::compose(edge.T_from_to, T_next_node);
+  if (edge.from == node + 1) edge.T_from_to = hal::compose(hal::inverse(T_next_node), edge.T_from_to);
+  edge.from -= edge.from > node ? 1 : 0;
+  edge.to -= edge.to > node ? 1 : 0;
+  return edge.from != edge.to;
+}
 
 struct GraphOptions {
   int most_steps = 8;      ///< for each degree of belief, of which there are some twenty at most
@@ -52,6 +64,10 @@ class PoseGraph {
   std::uint32_t add_node(const hal::Pose& T_world_node);
   /// Both nodes must be there.
   void add_edge(const GraphEdge& edge);
+
+  /// The node after `node` becomes part of it and stands to it as T_next_node says from now on. What was measured to
+  /// the one was measured to the other; what was measured between them is forgotten. Later nodes have one number less.
+  void join(std::uint32_t node, const hal::Pose& T_next_node);
 
   GraphReport optimise(const GraphOptions& options = {});
 

@@ -2,6 +2,7 @@
 #include "mapper/submaps/submap_chain.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -20,6 +21,17 @@ bool knows_any(const BlockValues& values) {
 std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
   const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(blocks, 1));
   return std::make_unique<VoxelMap>(grid, MapCapacity{count, count, count * kBricksPerBlock});
+}
+
+/// In an order of their own.
+std::vector<align::DepthSample> pieces_of(const align::SurfaceMap& surfaces) {
+  std::vector<align::DepthSample> pieces;
+  surfaces.for_each([&](const align::SurfacePiece& piece, float /*weight*/) {
+    pieces.push_back({piece.point_m, piece.normal, 1.0F});
+  });
+  std::sort(pieces.begin(), pieces.end(),
+            [](const align::DepthSample& a, const align::DepthSample& b) { return a.point_m < b.point_m; });
+  return pieces;
 }
 
 }  // namespace
@@ -42,7 +54,8 @@ void SubmapChain::note(std::uint32_t slot) {
 bool SubmapChain::add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera,
                             std::span<const std::uint32_t> changed_slots, std::span<const align::DepthSample> samples,
                             bool is_held) {
-  if (passed_.empty() && submaps_.empty()) {
+  if (!has_begun_) {
+    has_begun_ = true;
     // What was known before the first frame: the place where the robot stands.
     for (std::uint32_t slot = 0; slot < view_.slot_end(); ++slot) {
       if (view_.header(slot).key != VoxelMap::kNoKey) note(slot);
@@ -74,6 +87,7 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
       std::find_if(passed_.begin(), passed_.end() - 1, [&](const Passed& p) { return p.way_m >= middle_m; });
   submap.anchor_ns = anchor->stamp_ns;
   submap.T_stored_anchor = anchor->T_world_camera;
+  submap.T_stored_stations = {submap.T_stored_anchor};
   submap.way_m = anchor->way_m;
   submap.turn_rad = anchor->turn_rad;
   submap.held_s = anchor->held_s;
@@ -101,16 +115,39 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
     assert(fits);
   }
   changed_slots_.clear();
-  surfaces_.for_each([&](const align::SurfacePiece& piece, float /*weight*/) {
-    submap.surfaces.push_back({piece.point_m, piece.normal, 1.0F});
-  });
-  std::sort(submap.surfaces.begin(), submap.surfaces.end(),
-            [](const align::DepthSample& a, const align::DepthSample& b) { return a.point_m < b.point_m; });
+  submap.surfaces = pieces_of(surfaces_);
   surfaces_.clear();
   submap.space = std::move(space);
   submaps_.push_back(std::move(submap));
   placed_->add(*submaps_.back().voxels, submaps_.back().T_world_stored);
   return true;
+}
+
+hal::Pose SubmapChain::join(std::size_t index) {
+  Submap& one = submaps_[index];
+  const Submap& next = submaps_[index + 1];
+  const hal::Pose T_one_next = hal::compose(hal::inverse(one.T_world_stored), next.T_world_stored);
+  const hal::Pose T_next_one_anchors = hal::compose(hal::inverse(next.T_world_anchor()), one.T_world_anchor());
+  PlacedSubmaps both(view_.grid());
+  both.add(*one.voxels, {});
+  both.add(*next.voxels, T_one_next);
+  one.voxels = both.whole();
+
+  align::SurfaceMap surfaces({.slots = kSurfaceSlots});
+  surfaces.add(one.surfaces, {});
+  surfaces.add(next.surfaces, hal::to_transform(T_one_next));
+  one.surfaces = pieces_of(surfaces);
+  if (one.space != nullptr && next.space != nullptr) {
+    const std::array<MergeSource, 2> sources{{{one.space.get(), {}, 0}, {next.space.get(), T_one_next, 1}}};
+    if (auto merged = merge_maps(sources); merged.ok()) one.space = std::move(merged).value();
+  }
+  for (const hal::Pose& station : next.T_stored_stations) {
+    one.T_stored_stations.push_back(hal::compose(T_one_next, station));
+  }
+  one.last_ns = next.last_ns;
+  placed_->join(index, *one.voxels, one.T_world_stored);
+  submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(index) + 1);
+  return T_next_one_anchors;
 }
 
 void SubmapChain::place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed) {

@@ -30,13 +30,14 @@ struct ChainOptions {
 struct Submap {
   hal::TimeNs first_ns = 0;
   hal::TimeNs last_ns = 0;
-  hal::TimeNs anchor_ns = 0;         ///< when the camera was there
-  hal::Pose T_world_stored;          ///< where the grid of its voxels stands; nowhere else until it is corrected
-  hal::Pose T_stored_anchor;         ///< the camera half-way: what its pose is about
-  double way_m = 0.0;                ///< from the anchor before to this one
-  double turn_rad = 0.0;             ///< the same, all turns added up
-  double held_s = 0.0;               ///< the same, time in which odometry alone knew the way
-  std::unique_ptr<VoxelMap> voxels;  ///< stored codes
+  hal::TimeNs anchor_ns = 0;  ///< when the camera was there
+  hal::Pose T_world_stored;   ///< where the grid of its voxels stands; nowhere else until it is corrected
+  hal::Pose T_stored_anchor;  ///< the camera half-way: what its pose is about
+  std::vector<hal::Pose> T_stored_stations;  ///< the anchors of all that it was made of
+  double way_m = 0.0;                        ///< from the anchor before to this one
+  double turn_rad = 0.0;                     ///< the same, all turns added up
+  double held_s = 0.0;                       ///< the same, time in which odometry alone knew the way
+  std::unique_ptr<VoxelMap> voxels;          ///< stored codes
   std::vector<align::DepthSample> surfaces;  ///< all that its frames have shown, in the frame of its voxels
   std::unique_ptr<VoxelMap> space;           ///< the same, coarse, may be nullptr
 
@@ -62,6 +63,9 @@ class SubmapChain {
   bool finish_submap(std::unique_ptr<VoxelMap> space = nullptr);
 
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  /// One of them and the next become one, which stands where the first did; the next goes on standing to it as it does.
+  /// What they say is the same, to the bit if both stand alike. Returns how the first one's anchor stood to the next's.
+  hal::Pose join(std::size_t submap);
   /// Where each stands from now on; one pose each. The view is as it was until rebuild(). `placed`: the same submaps at
   /// these poses, if somebody has them already.
   void place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed = nullptr);
@@ -99,7 +103,8 @@ class SubmapChain {
   std::vector<std::uint32_t> changed_slots_;
   std::vector<std::uint8_t> is_noted_;  ///< by slot
   align::SurfaceMap surfaces_;          ///< since the last submap
-  std::vector<Passed> passed_;          ///< frames since the last submap
+  bool has_begun_ = false;
+  std::vector<Passed> passed_;  ///< frames since the last submap
   hal::Pose last_camera_;
   double way_m_ = 0.0;  ///< since the last anchor
   double turn_rad_ = 0.0;

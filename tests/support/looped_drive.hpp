@@ -31,6 +31,7 @@ class UnalignedDrive {
   /// Maps on until a submap is finished. False: the way is at its end.
   [[nodiscard]] bool next_submap();
   [[nodiscard]] const mapper::submaps::SubmapChain& chain() const { return chain_; }
+  [[nodiscard]] mapper::submaps::SubmapChain& chain() { return chain_; }
 
  private:
   const DriveTwice& twice_;

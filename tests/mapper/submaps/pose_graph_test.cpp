@@ -148,3 +148,33 @@ TEST_CASE("five hundred nodes and a hundred loops take a fraction of a second", 
   CHECK(report.steps <= 100);
   CHECK(worst_m(graph, truth) < 0.3 * before_m);
 }
+
+TEST_CASE("a node that is joined to the one before leaves a graph that stands and costs the same", "[submaps]") {
+  PoseGraph graph;
+  const auto at = [](double x_m, double y_m, double yaw) { return hal::from_xyz_rpy(x_m, y_m, 0, 0, 0, yaw); };
+  const std::vector<hal::Pose> nodes{at(0, 0, 0), at(1, 0.2, 0.3), at(2, 0.1, 1.0), at(2, 1.5, 2.0), at(0.3, 1, 3.0)};
+  for (const hal::Pose& node : nodes) graph.add_node(node);
+  const auto measured = [&](std::uint32_t from, std::uint32_t to, const hal::Pose& off) {
+    return hal::compose(hal::compose(hal::inverse(nodes[from]), nodes[to]), off);
+  };
+  const align::Matrix6 way = information_of({});
+  graph.add_edge({0, 1, measured(0, 1, at(0.01, 0.02, 0.01)), way, false});
+  graph.add_edge({1, 2, measured(1, 2, at(0.02, 0, 0.01)), way, false});
+  graph.add_edge({2, 3, measured(2, 3, at(0.01, -0.03, 0.02)), way, false});
+  graph.add_edge({3, 4, measured(3, 4, at(0.0, 0.02, -0.01)), way, false});
+  graph.add_edge({0, 2, measured(0, 2, at(0.02, 0.01, -0.02)), way, true});
+  graph.add_edge({2, 4, measured(2, 4, at(-0.02, 0.01, 0.02)), way, true});
+  std::vector<double> squares;
+  for (const GraphEdge& edge : graph.edges()) squares.push_back(graph.square_of(edge));
+
+  graph.join(1, hal::compose(hal::inverse(nodes[2]), nodes[1]));
+  REQUIRE(graph.nodes().size() == 4);
+  CHECK(graph.nodes()[2].translation_m == nodes[3].translation_m);
+  REQUIRE(graph.edges().size() == 5);  // what was measured between the two is gone
+  squares.erase(squares.begin() + 1);
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    CHECK(graph.edges()[i].from < 4);
+    CHECK(graph.square_of(graph.edges()[i]) == Approx(squares[i]).epsilon(1e-3));
+  }
+  CHECK(graph.optimise().solved);
+}
