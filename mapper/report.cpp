@@ -71,7 +71,7 @@ void write_loops(JsonWriter& json, const submaps::CloserReport& loops) {
       .member("loops", loops.loops);
   json.member("alone", loops.alone).member("disbelieved", loops.disbelieved);
   json.key("candidates").begin_object();
-  json.member("tried", loops.finder.tried).member("refused", loops.finder.refused);
+  json.member("tried", loops.finder.tried).member("alike", loops.finder.alike).member("refused", loops.finder.refused);
   json.member("not_found_again", loops.finder.not_again).member("found", loops.finder.found).end_object();
   json.member("corrections", loops.corrections).member("correction_max_m", rounded_um(loops.largest_move_m));
   json.member("memory_bytes", loops.memory_bytes).member("refused_blocks", loops.refused_blocks);

@@ -76,10 +76,10 @@ void Aligner::add_samples(const hal::Frame& frame, const hal::Pose& T_world_came
   if (space != nullptr) surfaces_.forget_gone(*space);
 }
 
-AlignResult Aligner::judge(const FitQuestion& question, double most_surprise) const {
+AlignResult Aligner::judge(const FitQuestion& question, const Matrix6& model, double most_surprise,
+                           Matrix6& information) const {
   AlignResult result;
   const hal::Pose& predicted = question.predicted;
-  const Matrix6& prior = question.prior;
   result.T_world_camera = predicted;
   if (fitted_.chosen < kLeastSamples) {
     result.outcome = AlignOutcome::few_samples;
@@ -98,7 +98,7 @@ AlignResult Aligner::judge(const FitQuestion& question, double most_surprise) co
   // A mount that was measured wrongly tilts the camera, which is no fault of the wheels.
   const bool on_floor = options_.motion == Motion::planar;
   const Vector6 of_wheels{correction[0], correction[1], 0.0, 0.0, 0.0, correction[5]};
-  result.surprise = std::sqrt(quadratic(prior, on_floor ? of_wheels : correction));
+  result.surprise = std::sqrt(quadratic(model, on_floor ? of_wheels : correction));
   if (shift_of(correction) > kMostShift_m || turn_of(correction) > kMostTurn_rad || result.surprise > most_surprise) {
     result.outcome = AlignOutcome::implausible;
   } else if (fitted.last.mean_cost() > kNoBetter * fitted.first.mean_cost() ||
@@ -107,9 +107,9 @@ AlignResult Aligner::judge(const FitQuestion& question, double most_surprise) co
   } else {
     result.T_world_camera = fitted.pose;
     result.correction = correction;
-    Matrix6 information = fitted.last.matrix();
+    information = fitted.last.matrix();
     for (double& x : information) x *= information_unit(fitted.last, options_.data_weight);
-    const Matrix6 odometry = without_floor(prior, options_.motion);
+    const Matrix6 odometry = without_floor(model, options_.motion);
     result.holds_shift = is_held(information, odometry, 0);
     result.holds_turn = is_held(information, odometry, 3);
   }
@@ -125,6 +125,7 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     return nowhere;
   }
   const bool is_measured = options_.source == OdometrySource::measured;
+  const bool learns = is_measured && options_.motion == Motion::planar;
   const bool is_robot = space != nullptr && is_measured && options_.motion == Motion::planar;
   AlignResult result;
   if (!last_odometry_) {
@@ -143,13 +144,20 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const hal::TimeNs old_ns = frame.stamp_ns - age_ns;
     born_by_ns_ = old_ns < first_stamp_ns_ ? first_stamp_ns_ : old_ns;
     since_aligned_s_ += dt_s;
-    const FitQuestion question = question_of(
-        predicted,
-        prior_information(options_.noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_));
+    const auto prior_of = [&](const OdometryNoise& noise) {
+      return prior_information(noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_);
+    };
+    const FitQuestion question = question_of(predicted, prior_of(trust_.scaled(options_.noise)));
+    const Matrix6 model = prior_of(options_.noise);
     sample_and_fit(frame, question);
-    result = judge(question, is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity());
+    Matrix6 information{};
+    result = judge(question, model, is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity(),
+                   information);
+    if (result.outcome == AlignOutcome::aligned && learns && options_.learns_trust) {
+      trust_.learn(result.correction, information, question.prior, model, since_aligned_s_);
+    }
   }
-  if (result.outcome == AlignOutcome::aligned && is_measured && options_.motion == Motion::planar) {
+  if (result.outcome == AlignOutcome::aligned && learns) {
     habits_.learn(result.correction, since_aligned_m_, since_aligned_s_, result.holds_shift, result.holds_turn);
   }
   // Hand-held, more doubt after refused frames made the worst of fr1_rpy better and its median worse.

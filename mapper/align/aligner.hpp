@@ -20,6 +20,7 @@
 #include "mapper/align/fit_card.hpp"
 #include "mapper/align/motion_prior.hpp"
 #include "mapper/align/odometry_habits.hpp"
+#include "mapper/align/odometry_trust.hpp"
 #include "mapper/align/surface_map.hpp"
 
 namespace g3d::mapper::align {
@@ -40,6 +41,7 @@ struct AlignOptions {
   /// Planar, with a map: a robot's odometry is no farther off than so many of its standard deviations. What asks for
   /// more is taken for somebody who moves, most of whom was there before; a robot that is pushed is not helped then.
   double most_surprise = 4.0;
+  bool learns_trust = true;  ///< planar, measured: `noise` is what odometry is taken for until it has shown what it is
 };
 
 struct AlignResult {
@@ -69,6 +71,7 @@ class Aligner {
   [[nodiscard]] const AlignOptions& options() const { return options_; }
   [[nodiscard]] const SurfaceMap& surfaces() const { return surfaces_; }
   [[nodiscard]] const OdometryHabits& habits() const { return habits_; }
+  [[nodiscard]] const OdometryTrust& trust() const { return trust_; }
   [[nodiscard]] bool has_card() const { return card_ != nullptr; }
   /// Of the last frame, camera frame. Not if a card has them.
   [[nodiscard]] std::span<const DepthSample> samples() const { return samples_.all(); }
@@ -80,7 +83,10 @@ class Aligner {
   /// By the card, or by the CPU if there is none any more.
   void sample_and_fit(const hal::Frame& frame, const FitQuestion& question);
   void add_samples(const hal::Frame& frame, const hal::Pose& T_world_camera, const SeenSpace* space);
-  [[nodiscard]] AlignResult judge(const FitQuestion& question, double most_surprise) const;
+  /// `model`: the prior by what odometry's noise is stated to be. `information`: what the image says, if it is
+  /// believed.
+  [[nodiscard]] AlignResult judge(const FitQuestion& question, const Matrix6& model, double most_surprise,
+                                  Matrix6& information) const;
 
   AlignOptions options_;
   DepthSamples samples_;
@@ -94,6 +100,7 @@ class Aligner {
   double since_aligned_s_ = 0.0;  ///< while a robot's frames are refused, odometry's errors add up
   std::array<double, 3> since_aligned_m_{};
   OdometryHabits habits_;  ///< planar, measured
+  OdometryTrust trust_;    ///< as well
   hal::TimeNs first_stamp_ns_ = 0;
   hal::TimeNs born_by_ns_ = 0;  ///< what this frame may be aligned to
   AlignReport report_;

@@ -22,8 +22,7 @@ std::optional<std::size_t> choose_join(std::span<const Submap> submaps, const Jo
   std::size_t best = 0;
   double best_price = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 + rule.newest < submaps.size(); ++i) {
-    const auto size =
-        static_cast<double>(submaps[i].T_stored_stations.size() + submaps[i + 1].T_stored_stations.size());
+    const auto size = static_cast<double>(submaps[i].stations.size() + submaps[i + 1].stations.size());
     const double price = size + disagreement(submaps[i], submaps[i + 1], rule);
     if (price >= best_price) continue;
     best = i;

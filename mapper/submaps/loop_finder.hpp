@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places that a robot sees again: what the newest submap and the one before have shown is fitted to what was shown
-// around an older one, starting from where the graph has both. A fit counts only if it is found again with less to go
-// by: the newest submap alone, fitted to fewer of the old ones, has to stand at the same place. Thread: one. Allocates.
+// around an older one, starting from where the graph has both, or, if that finds nothing, from how both look. A fit
+// counts only if it is found again with less to go by: the newest submap alone, fitted to fewer of the old ones, has to
+// stand at the same place. Thread: one. Allocates.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "mapper/align/map_aligner.hpp"
@@ -19,6 +21,9 @@ struct FinderOptions {
   std::size_t most_candidates = 2;  ///< for each submap
   double reach_m = 1.0;             ///< how far off the graph may be
   double reach_rad = 0.25;
+  double least_likeness = 0.75;  ///< of a place that is tried wherever the graph has it, if none of the others fits
+  double likeness_reach_m = 2.0;
+  double likeness_reach_rad = 0.3;
   double most_apart_m = 0.06;  ///< between the two fits
   double most_apart_rad = 0.015;
 };
@@ -42,7 +47,15 @@ class LoopFinder {
   [[nodiscard]] const FinderReport& report() const { return report_; }
 
  private:
-  [[nodiscard]] std::vector<std::uint32_t> candidates(const SubmapChain& chain) const;
+  struct Candidate {
+    std::uint32_t submap = 0;
+    hal::Pose T_guess;  ///< the newest's anchor in its
+    double reach_m = 0.0;
+    double reach_rad = 0.0;
+  };
+  [[nodiscard]] std::vector<Candidate> near_candidates(const SubmapChain& chain) const;
+  [[nodiscard]] std::optional<Candidate> alike_candidate(const SubmapChain& chain,
+                                                         const std::vector<Candidate>& tried) const;
 
   FinderOptions options_;
   FinderReport report_;

@@ -8,6 +8,7 @@ namespace g3d::mapper::submaps {
 
 struct FinderReport {
   std::uint64_t tried = 0;
+  std::uint64_t alike = 0;      ///< of these: for how they look, wherever the graph had them
   std::uint64_t refused = 0;    ///< no fit that is sure by itself
   std::uint64_t not_again = 0;  ///< a fit that was not found again with less
   std::uint64_t found = 0;

@@ -87,7 +87,6 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
       std::find_if(passed_.begin(), passed_.end() - 1, [&](const Passed& p) { return p.way_m >= middle_m; });
   submap.anchor_ns = anchor->stamp_ns;
   submap.T_stored_anchor = anchor->T_world_camera;
-  submap.T_stored_stations = {submap.T_stored_anchor};
   submap.way_m = anchor->way_m;
   submap.turn_rad = anchor->turn_rad;
   submap.held_s = anchor->held_s;
@@ -116,6 +115,9 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
   }
   changed_slots_.clear();
   submap.surfaces = pieces_of(surfaces_);
+  const auto& at_m = submap.T_stored_anchor.translation_m;
+  const align::Vector3f centre_m{static_cast<float>(at_m[0]), static_cast<float>(at_m[1]), static_cast<float>(at_m[2])};
+  submap.stations.push_back({{at_m, {0, 0, 0, 1}}, PlaceSketch(submap.surfaces, centre_m)});
   surfaces_.clear();
   submap.space = std::move(space);
   submaps_.push_back(std::move(submap));
@@ -141,8 +143,8 @@ hal::Pose SubmapChain::join(std::size_t index) {
     const std::array<MergeSource, 2> sources{{{one.space.get(), {}, 0}, {next.space.get(), T_one_next, 1}}};
     if (auto merged = merge_maps(sources); merged.ok()) one.space = std::move(merged).value();
   }
-  for (const hal::Pose& station : next.T_stored_stations) {
-    one.T_stored_stations.push_back(hal::compose(T_one_next, station));
+  for (const Submap::Station& station : next.stations) {
+    one.stations.push_back({hal::compose(T_one_next, station.T_stored_station), station.sketch});
   }
   one.last_ns = next.last_ns;
   placed_->join(index, *one.voxels, one.T_world_stored);
@@ -208,6 +210,7 @@ std::uint64_t SubmapChain::memory_bytes() const {
   std::uint64_t bytes = placed_->memory_bytes();
   for (const Submap& submap : submaps_) {
     bytes += submap.voxels->memory().used_bytes + submap.surfaces.size() * sizeof(align::DepthSample) +
+             submap.stations.size() * sizeof(Submap::Station) +
              (submap.space != nullptr ? submap.space->memory().used_bytes : 0);
   }
   return bytes;

@@ -16,6 +16,7 @@
 #include "hal/geometry.hpp"
 #include "hal/messages.hpp"
 #include "mapper/align/surface_map.hpp"
+#include "mapper/submaps/place_sketch.hpp"
 #include "mapper/submaps/placed_submaps.hpp"
 #include "mapper/voxel_map.hpp"
 
@@ -33,7 +34,11 @@ struct Submap {
   hal::TimeNs anchor_ns = 0;  ///< when the camera was there
   hal::Pose T_world_stored;   ///< where the grid of its voxels stands; nowhere else until it is corrected
   hal::Pose T_stored_anchor;  ///< the camera half-way: what its pose is about
-  std::vector<hal::Pose> T_stored_stations;  ///< the anchors of all that it was made of
+  struct Station {
+    hal::Pose T_stored_station;  ///< upright
+    PlaceSketch sketch;          ///< in its frame
+  };
+  std::vector<Station> stations;             ///< where the camera was half-way, of all that it was made of
   double way_m = 0.0;                        ///< from the anchor before to this one
   double turn_rad = 0.0;                     ///< the same, all turns added up
   double held_s = 0.0;                       ///< the same, time in which odometry alone knew the way

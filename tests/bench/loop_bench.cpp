@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot's way through a building with odometry that drifts: as odometry has it, aligned frame by frame, and with
 // loops. Distance from the true way, and how much of the map is where the true poses have it.
-//   loop_bench --world NAME [--way trajectory.tum] [--seed N] [--seeds N] [--every SECONDS] [--verbose]
+//   loop_bench --world NAME [--way trajectory.tum] [--drift X] [--seed N] [--seeds N] [--every SECONDS] [--fixed-trust]
+//              [--verbose]
 // trajectory.tum: where the camera was, such as `g3dmap sim --world NAME --robots 1 --camera 160x120@10` writes it.
 // Without it, the drive that is built in for that world, twice.
 #include <fmt/format.h>
@@ -31,6 +32,8 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t seeds = 1;
   double every_s = 0.2;
+  double drift = 1.0;
+  bool has_fixed_trust = false;
   bool verbose = false;
 };
 
@@ -44,6 +47,8 @@ Options read_options(int argc, char** argv) {
     if (word == "--seed") o.seed = std::strtoull(value().c_str(), nullptr, 10);
     if (word == "--seeds") o.seeds = std::strtoull(value().c_str(), nullptr, 10);
     if (word == "--every") o.every_s = std::atof(value().c_str());
+    if (word == "--drift") o.drift = std::atof(value().c_str());
+    if (word == "--fixed-trust") o.has_fixed_trust = true;
     if (word == "--verbose") o.verbose = true;
   }
   return o;
@@ -99,13 +104,14 @@ int run(const Options& o, std::uint64_t seed) {
       truth.push_back(pose);
     }
   }
-  const Poses odometry = hal::drifted(truth, hal::robot_drift(seed));
+  const Poses odometry = hal::drifted(truth, hal::robot_drift(seed, o.drift));
   hal::SimRendererOptions options;
   options.camera = kCamera;
   options.threads = 1;
   hal::SimRenderer renderer(std::move(world).value(), options);
   auto maps = std::make_unique<Maps>();
   mapper::submaps::LoopedOptions looped_options;
+  looped_options.align.learns_trust = !o.has_fixed_trust;
   mapper::submaps::LoopedMap looped(maps->looped.map(), kCamera, looped_options);
   mapper::align::Aligner aligner(looped_options.align, kCamera);
   Poses aligned;

@@ -17,7 +17,7 @@ std::vector<Submap> row(std::size_t count) {
   std::vector<Submap> submaps(count);
   for (std::size_t i = 0; i < count; ++i) {
     submaps[i].T_stored_anchor = hal::from_xyz_rpy(static_cast<double>(i), 0, 0, 0, 0, 0);
-    submaps[i].T_stored_stations = {submaps[i].T_stored_anchor};
+    submaps[i].stations.resize(1);
   }
   return submaps;
 }
@@ -35,14 +35,14 @@ TEST_CASE("old submaps are joined beyond their number, small ones that agree fir
   CHECK_FALSE(choose_join(row(6), rule));
   std::vector<Submap> submaps = row(7);
   CHECK(choose_join(submaps, rule) == 0);
-  submaps[0].T_stored_stations.resize(3);
+  submaps[0].stations.resize(3);
   CHECK(choose_join(submaps, rule) == 1);
   submaps[1].T_world_stored = submaps[2].T_world_stored = hal::from_xyz_rpy(0, 0.1, 0, 0, 0, 0);
   submaps[0].T_world_stored = submaps[1].T_world_stored;
   CHECK(choose_join(submaps, rule) == 1);  // moved, but not against each other
   submaps[1].T_world_stored = {};
   CHECK(choose_join(submaps, rule) == 3);  // a correction has bent the chain at 1 and 2
-  for (std::size_t i = 0; i < 4; ++i) submaps[i].T_stored_stations.resize(50);
+  for (std::size_t i = 0; i < 4; ++i) submaps[i].stations.resize(50);
   CHECK(choose_join(submaps, rule) == 3);  // 4 and 5 are too young, however small
   CHECK_FALSE(choose_join(row(7), {.most_submaps = 2, .newest = 6}));
 }
@@ -63,6 +63,6 @@ TEST_CASE("joined submaps say what they said one by one, and are bounded in numb
     most_bytes = std::max(most_bytes, chain.memory_bytes());
   }
   CHECK(closer.report().joined > 0);
-  CHECK(drive.chain().submaps().front().T_stored_stations.size() > 1);
+  CHECK(drive.chain().submaps().front().stations.size() > 1);
   CHECK(most_bytes > 0);
 }
