@@ -188,12 +188,12 @@ Agreement agreement(const std::vector<DepthSample>& samples, const MapSurfaces& 
   return result;
 }
 
-bool is_fixed(const std::vector<DepthSample>& samples, const SurfaceMap& surfaces, const hal::Pose& pose) {
+double hold_of(const std::vector<DepthSample>& samples, const SurfaceMap& surfaces, const hal::Pose& pose) {
   const Matrix6 m = match(samples, surfaces, pose, kFineKernel_m).matrix();
   Eigen::Matrix2d floor;
   floor << m[0], m[1], m[6], m[7];
   const auto values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(floor, Eigen::EigenvaluesOnly).eigenvalues();
-  return values[0] >= kLeastHold * (m[0] + m[7]);
+  return m[0] + m[7] > 0.0 ? values[0] / (m[0] + m[7]) : 0.0;
 }
 
 }  // namespace
@@ -234,6 +234,7 @@ MapAlignment align_maps(const MapSurfaces& a, const MapSurfaces& b, const hal::P
   result.T_a_b = best.pose;
   result.overlap = best.overlap;
   result.area_m2 = best.area_m2;
+  result.hold = hold_of(few, a.fine(), best.pose);
   result.residual_m = std::sqrt(match(many_b, a.fine(), best.pose, kFineKernel_m).mean_cost());
   for (const Answer& other : answers) {
     const Vector6 off = difference(best.pose, other.pose);
@@ -242,7 +243,7 @@ MapAlignment align_maps(const MapSurfaces& a, const MapSurfaces& b, const hal::P
   }
   result.outcome = best.area_m2 < options.least_area_m2        ? MapAlignOutcome::little_overlap
                    : best.overlap < options.least_overlap      ? MapAlignOutcome::contradicted
-                   : !is_fixed(few, a.fine(), best.pose)       ? MapAlignOutcome::unfixed
+                   : result.hold < kLeastHold                  ? MapAlignOutcome::unfixed
                    : result.runner_up > kRivals * best.overlap ? MapAlignOutcome::ambiguous
                                                                : MapAlignOutcome::aligned;
   return result;

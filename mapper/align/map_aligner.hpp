@@ -38,6 +38,7 @@ struct MapAlignment {
   double overlap = 0.0;     ///< share of agreeing surface where both have looked, the worse of both ways
   double area_m2 = 0.0;     ///< of surface that both show
   double residual_m = 0.0;  ///< root mean square
+  double hold = 0.0;        ///< share of the surface that faces along the weakest direction, up to a half
   double runner_up = 0.0;   ///< overlap of the best answer elsewhere, 0 if there is none
   std::uint64_t tried = 0;  ///< places
 };

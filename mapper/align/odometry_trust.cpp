@@ -20,7 +20,7 @@ constexpr double kNoise = 1.0;  // by which the mean of two seconds may exceed t
 constexpr double kImageVariance = 3.0;
 constexpr double kMostOutlier = 16.0;
 constexpr double kLeastScale = 0.01;
-constexpr double kMostScale = 4.0;
+constexpr double kMostScale = 1.0;                     // what surprises most is people, who are not to be followed
 constexpr std::array<std::size_t, 3> kFloor{0, 1, 5};  // x, y, heading
 
 using Matrix3 = std::array<double, 9>;

@@ -2,6 +2,7 @@
 #include "mapper/submaps/loop_closer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mapper/align/pose_step.hpp"
 
@@ -9,6 +10,7 @@ namespace g3d::mapper::submaps {
 namespace {
 
 constexpr double kBelieved = 0.5;
+constexpr double kHeldAlike = 0.5;
 
 }  // namespace
 
@@ -45,7 +47,8 @@ bool LoopCloser::speaks_for(const Loop& a, const Loop& b) const {
 
 void LoopCloser::add_to_graph(const Loop& loop) {
   EdgeSigma sigma;
-  sigma.floor_m = options_.loop_sigma_m;
+  // Along a corridor little stands across the way, and says less.
+  sigma.floor_m = options_.loop_sigma_m * std::sqrt(kHeldAlike / loop.hold);
   sigma.heading_rad = options_.loop_sigma_rad;
   graph_.add_edge({loop.from, loop.to, loop.T_from_to, information_of(sigma), true});
 }

@@ -27,13 +27,14 @@ struct WayNoise {
 struct CloserOptions {
   FinderOptions finder;
   WayNoise way;
+  /// Of a loop that is held alike from all sides.
   double loop_sigma_m = 0.03;
   double loop_sigma_rad = 0.01;
   std::uint32_t most_submaps_apart = 6;  ///< between two loops that speak for each other
   double most_off_m = 0.08;              ///< of their cycle
   double most_off_rad = 0.03;
-  double least_move_m = 0.05;  ///< of any submap; else the view is left as it is
-  double least_turn_rad = 0.015;
+  double least_move_m = 0.08;  ///< of any submap; else the view is left as it is
+  double least_turn_rad = 0.025;
   bool on_floor = false;  ///< submaps are moved along the floor and turned about the vertical, and nothing else
 };
 

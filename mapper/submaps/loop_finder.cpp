@@ -119,7 +119,7 @@ std::vector<Loop> LoopFinder::find(const SubmapChain& chain) {
       return;
     }
     ++report_.found;
-    loops.push_back({i, static_cast<std::uint32_t>(newest), all.T_a_b, std::min(all.overlap, less.overlap)});
+    loops.push_back({i, static_cast<std::uint32_t>(newest), all.T_a_b, std::min(all.hold, less.hold)});
   };
   for (const Candidate& candidate : candidates) try_it(candidate);
   if (!loops.empty()) return loops;

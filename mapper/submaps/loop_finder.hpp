@@ -32,7 +32,7 @@ struct Loop {
   std::uint32_t from = 0;  ///< submaps
   std::uint32_t to = 0;
   hal::Pose T_from_to;  ///< of their anchors
-  double overlap = 0.0;
+  double hold = 0.5;    ///< see MapAlignment
 };
 
 /// How far two submaps are from each other in the chain.

@@ -60,7 +60,7 @@ TEST_CASE("odometry that is as bad as it is said to be is trusted no more, one t
   as_stated.on(1.5);
   CHECK(as_stated.trust.turn_scale() > 0.4);  // it shows soon
   as_stated.on(60.0);
-  CHECK(as_stated.trust.turn_scale() == Approx(1.0).epsilon(0.25));
+  CHECK(as_stated.trust.turn_scale() > 0.75);
 
   Steps exact;
   exact.on(60.0);
@@ -77,7 +77,7 @@ TEST_CASE("wheels that begin to slip, and a gyro that goes wrong, are noticed wi
   REQUIRE(steps.trust.turn_scale() < 0.04);
   steps.odometry_rad = 4.0 * model_turn_rad();
   steps.on(1.5);
-  CHECK(steps.trust.turn_scale() > 1.0);
+  CHECK(steps.trust.turn_scale() == 1.0);
   steps.odometry_rad = 0.0;
   steps.on(120.0);
   CHECK(steps.trust.turn_scale() < 0.1);

@@ -26,7 +26,8 @@ Found find_all(LoopFinder& finder, const test::DriveTwice& twice, test::Unaligne
       ++result.loops;
       CHECK(loop.to == submaps.size() - 1);
       CHECK(loop.from + FinderOptions{}.least_age <= loop.to);
-      CHECK(loop.overlap > 0.9);
+      CHECK(loop.hold > 0.02);
+      CHECK(loop.hold <= 0.5);
       const auto between = [](const hal::Pose& a, const hal::Pose& b) { return hal::compose(hal::inverse(a), b); };
       const hal::Pose right =
           between(twice.true_pose_at(submaps[loop.from].anchor_ns), twice.true_pose_at(submaps[loop.to].anchor_ns));
