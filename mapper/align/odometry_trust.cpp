@@ -13,7 +13,7 @@ constexpr double kShort_s = 2.0;
 // A robot that looks around first turns through all that its map begins with: what the image pulls to one side then
 // stays. So odometry is taken to be good at first; a bad one shows within a second.
 constexpr double kFirstScale = 0.1;
-constexpr double kDoubt_s = 0.5;
+constexpr double kFirstDoubt_s = 0.5;
 constexpr double kNoise = 1.0;  // by which the mean of two seconds may exceed the true one
 // An image's samples err together: measured over drives of exact odometry, at 160x120 and at 640x480, innovations are
 // 2.5 to 3.7 times as large in the mean square as the sums of their least squares say.
@@ -75,7 +75,7 @@ void OdometryTrust::learn(const Vector6& correction, const Matrix6& information,
   const double own2 = std::min(innovation * innovation, most2) - kImageVariance * image2;
   if (known_s_ == 0.0) {
     long_ = short_ = {kFirstScale * model2, model2};
-    known_s_ = kDoubt_s;
+    known_s_ = kFirstDoubt_s;
   }
   known_s_ = std::min(known_s_ + time_s, kLong_s);
   const auto take = [&](Mean& mean, double memory_s) {

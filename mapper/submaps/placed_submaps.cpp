@@ -4,14 +4,9 @@
 #include <algorithm>
 #include <cassert>
 
+#include "mapper/block_source.hpp"
+
 namespace g3d::mapper::submaps {
-namespace {
-
-bool knows_any(const BlockValues& values) {
-  return std::any_of(values.begin(), values.end(), [](Rgbo v) { return state_of(v) != State::unknown; });
-}
-
-}  // namespace
 
 void sort_and_drop_repeats(std::vector<BlockKey>& keys) {
   std::sort(keys.begin(), keys.end());
@@ -49,7 +44,7 @@ bool PlacedSubmaps::read_block(BlockKey key, BlockValues& out) {
     if (!std::binary_search(keys.begin(), keys.end(), key)) continue;
     if (placed_[i]->sampler.sample_unknown(key, out)) break;
   }
-  return knows_any(out);
+  return is_known(out);
 }
 
 std::unique_ptr<VoxelMap> PlacedSubmaps::whole() {

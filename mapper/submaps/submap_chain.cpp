@@ -7,16 +7,13 @@
 #include <cmath>
 
 #include "mapper/align/pose_step.hpp"
+#include "mapper/block_source.hpp"
 #include "mapper/merge.hpp"
 
 namespace g3d::mapper::submaps {
 namespace {
 
 constexpr std::size_t kSurfaceSlots = std::size_t{1} << 17;  // 8 m^2 of surface are 1250 pieces of 8 cm
-
-bool knows_any(const BlockValues& values) {
-  return std::any_of(values.begin(), values.end(), [](Rgbo v) { return state_of(v) != State::unknown; });
-}
 
 std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
   const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(blocks, 1));
@@ -109,7 +106,7 @@ bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
         if (now[i] == before[i]) now[i] = kUnknownRgbo;
       }
     }
-    if (!knows_any(now)) continue;
+    if (!is_known(now)) continue;
     [[maybe_unused]] const bool fits = submap.voxels->write_block(key, now);
     assert(fits);
   }

@@ -138,3 +138,25 @@ TEST_CASE("maps whose poses are off are fitted before they are merged, or refuse
   CHECK_FALSE(std::filesystem::exists(out));
   CHECK(run_g3dmap({"merge", room, other, "--align", "perhaps", "--out", out}).exit_code == 2);
 }
+
+TEST_CASE("a robot that looks for loops goes the same way every time, and says what became of them",
+          "[system][align]") {
+  const TempFolder folder;
+  const auto explore = [&](const std::string& name) {
+    const ProgramResult result =
+        run_g3dmap({"sim",    "--robots",   "1",          "--world", "lab",     "--camera", "80x60@10",
+                    "--seed", "2",          "--duration", "40",      "--drift", "1",        "--drift-like",
+                    "rough",  "--odometry", "aligned",    "--loops", "--quiet", "--out",    folder / name});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    return (folder / name) + "/report.json";
+  };
+  const std::string once = explore("once");
+  const std::string again = explore("again");
+  CHECK(report_text(once, "hash") == report_text(again, "hash"));
+  CHECK(report_number(once, "submaps") >= 3);
+  CHECK(report_number(once, "submaps") == report_number(again, "submaps"));
+  CHECK(report_number(once, "refused_blocks") == 0);
+  CHECK(report_is_balanced(once));
+  CHECK(trajectory_error(way_in(folder / "once/trajectory.tum"), way_in(folder / "again/trajectory.tum")).ate_m == 0.0);
+}
