@@ -108,6 +108,11 @@ void add_mapper_option(CLI::App& command, MappingOptions& options) {
       ->capture_default_str();
 }
 
+void add_loops_flag(CLI::App& command, MappingOptions& options) {
+  command.add_flag("--loops", options.loops,
+                   "Recognise places that are seen again and correct the whole map by them; needs --odometry aligned");
+}
+
 void add_odometry_options(CLI::App& command, MappingOptions& options) {
   command
       .add_option(
@@ -119,8 +124,7 @@ void add_odometry_options(CLI::App& command, MappingOptions& options) {
       .add_option("--motion", options.motion,
                   "How the camera may move when it is aligned: planar on a robot, free in a hand")
       ->check(CLI::IsMember({"planar", "free"}));
-  command.add_flag("--loops", options.loops,
-                   "Recognise places that are seen again and correct the whole map by them; needs --odometry aligned");
+  add_loops_flag(command, options);
 }
 
 void add_drift_like(CLI::App& command, std::string& drift_like) {
@@ -152,6 +156,7 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   command.add_option("--odometry", options.odometry, "given: odometry is believed; aligned: corrected by what is seen")
       ->check(CLI::IsMember({"given", "aligned"}))
       ->capture_default_str();
+  add_loops_flag(command, options);
   add_staging_options(command, live.staging);
   add_patience(command, options);
   command.add_flag("--record", live.record, "Write what the base says to kobuki.bin in the folder of --out");

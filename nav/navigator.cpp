@@ -79,7 +79,6 @@ void Navigator::meet(std::uint8_t flags, TimeNs now) {
 }
 
 void Navigator::on_base(const BaseView& view, TimeNs now) {
-  // Cliff sensors have the order of the bumper's bits: what is met there is not to be met again either.
   if (is_map_moving_) {  // what is touched meanwhile is noticed afterwards, if it is touched still
     const std::uint8_t bumper = base_.bumper & view.bumper;
     const std::uint8_t cliff = base_.cliff & view.cliff;
@@ -88,6 +87,7 @@ void Navigator::on_base(const BaseView& view, TimeNs now) {
     base_.cliff = cliff;
     return;
   }
+  // Cliff sensors have the order of the bumper's bits: what is met there is not to be met again either.
   const auto met = static_cast<std::uint8_t>((view.bumper & ~base_.bumper) | (view.cliff & ~base_.cliff));
   base_ = view;
   report_.note_pose(view.T_world_base, now);

@@ -146,8 +146,22 @@ TEST_CASE("what is wrong with a board or an option is said before anything moves
   expect("[base]\nline = \"auto\"\n[camera]\nsource = \"none\"\n", {"--camera", "64x48@5"}, 2, "--camera");
   expect("[map]\nmode = \"static\"\n", {}, 2, "static");
   expect("", {"--record"}, 2, "--out");
+  expect("", {"--loops"}, 2, "add --odometry aligned");
+  expect("", {"--loops", "--odometry", "aligned", "--mapper", "cuda"}, 2, "does not go with --mapper cuda");
   expect("", {"--camera", "big"}, 2, "160x120@10");
   expect("", {"--area", "1,1,0,0"}, 2, "--area");
   expect("", {"--world", folder / "none.world"}, 1, "none.world");
   expect("", {"--world", "two_rooms", "--out", "/proc/g3dmap_out"}, 1, "/proc/g3dmap_out");
+}
+
+TEST_CASE("a robot in real time looks for places that it sees again, and says so", "[system][run]") {
+  const TempFolder folder;
+  const std::string out = folder / "out";
+  const ProgramResult result = run_g3dmap(
+      in_simulation(folder, {"--odometry", "aligned", "--loops", "--drift", "1", "--duration", "12", "--out", out}));
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(report_number(out + "/report.json", "submaps") >= 1);
+  CHECK(report_number(out + "/report.json", "refused_blocks") == 0);
+  CHECK(report_is_balanced(out + "/report.json"));
 }
