@@ -173,12 +173,6 @@ class Exploration {
 
   void sample() {
     place_error_.note(building_.T_world_base(0), robot_.T_world_base());
-    if (getenv("G3D_PE")) {
-      auto t = building_.T_world_base(0);
-      auto b = robot_.T_world_base();
-      fmt::print(stderr, "PE {:.0f} {:.3f} {:.3f} {:.4f} at {:.2f} {:.2f} {:.2f}\n", now_ns_ / 1e9, b.x_m - t.x_m,
-                 b.y_m - t.y_m, nav::wrap_angle(b.heading_rad - t.heading_rad), t.x_m, t.y_m, t.heading_rad);
-    }
     fraction_ = coverage_.fraction(robot_.navigator().ground().states());
     robot_.navigator().report().note_coverage(fraction_, now_ns_);
     next_sample_ns_ = now_ns_ + kSecond_ns;

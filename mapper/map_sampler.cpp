@@ -140,4 +140,9 @@ Rgbo MapSampler::look_up(const VoxelIndex& v) {
   return stored_value(source_, source_.header(cached_slot_), static_cast<int>(code & kPlaceMask));
 }
 
+void sort_and_drop_repeats(std::vector<BlockKey>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
 }  // namespace g3d::mapper

@@ -57,4 +57,7 @@ class MapSampler {
   std::uint32_t cached_slot_ = kNoSlot;
 };
 
+/// For keys that several samplers have added.
+void sort_and_drop_repeats(std::vector<BlockKey>& keys);
+
 }  // namespace g3d::mapper

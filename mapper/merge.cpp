@@ -73,8 +73,7 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
   for (const MergeSource& source : sources) {
     samplers.emplace_back(*source.map, source.T_world_map, grid.value(), options.T_world_target);
     samplers.back().add_target_keys(keys);
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    sort_and_drop_repeats(keys);
   }
   if (keys.size() > 0xFFFFFFFFU / kBricksPerBlock) return no_room(keys.size());
   const auto blocks = static_cast<std::uint32_t>(std::max<std::size_t>(keys.size(), 1));

@@ -10,6 +10,11 @@
 
 namespace g3d::nav {
 
+Trodden moved(const Trodden& place, const hal::PlanarPose& T_now_before) {
+  const hal::PlanarPose there = compose(T_now_before, {place.x_m, place.y_m, 0.0});
+  return {place.at_ns, there.x_m, there.y_m};
+}
+
 MoveField::MoveField(const CellGrid<CellState>& like) {
   const auto patches = [&](int cells) { return static_cast<int>(std::ceil(cells * like.resolution_m / kPatch_m)) + 1; };
   patches_ = {kPatch_m, like.origin_x_m, like.origin_y_m, patches(like.columns), patches(like.rows), Move{}};
@@ -49,9 +54,7 @@ void MoveField::compute(std::span<const Trodden> way, const mapper::submaps::Cha
 }
 
 Trodden MoveField::moved(const Trodden& place) const {
-  const Move& patch = patches_.at(patch_of(place.x_m, place.y_m));
-  const hal::PlanarPose there = compose(patch.T_now_before, {place.x_m, place.y_m, 0.0});
-  return {place.at_ns, there.x_m, there.y_m};
+  return nav::moved(place, patches_.at(patch_of(place.x_m, place.y_m)).T_now_before);
 }
 
 // Moves are small beside a patch, so the patch of where a value is now stands for that of where it was.

@@ -23,6 +23,9 @@ struct Trodden {
   double y_m = 0.0;
 };
 
+/// The same place after its surroundings have moved.
+[[nodiscard]] Trodden moved(const Trodden& place, const hal::PlanarPose& T_now_before);
+
 class MoveField {
  public:
   static constexpr double kPatch_m = 1.0;

@@ -27,11 +27,7 @@ class TroddenWay {
     way_.push_back(here);
   }
   void move(const mapper::submaps::ChainMove& move) {
-    for (Trodden& place : way_) {
-      const hal::PlanarPose there = compose(on_plane(move.at(place.at_ns)), {place.x_m, place.y_m, 0.0});
-      place.x_m = there.x_m;
-      place.y_m = there.y_m;
-    }
+    for (Trodden& place : way_) place = moved(place, on_plane(move.at(place.at_ns)));
   }
   /// Oldest first.
   [[nodiscard]] std::span<const Trodden> places() const { return way_; }

@@ -126,7 +126,8 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
   }
   const bool is_measured = options_.source == OdometrySource::measured;
   const bool learns = is_measured && options_.motion == Motion::planar;
-  const bool is_robot = space != nullptr && is_measured && options_.motion == Motion::planar;
+  const bool learns_trust = learns && options_.learns_trust;
+  const bool is_robot = space != nullptr && learns;
   AlignResult result;
   if (!last_odometry_) {
     result.T_world_camera = T_odometry_camera;
@@ -147,13 +148,13 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
     const auto prior_of = [&](const OdometryNoise& noise) {
       return prior_information(noise, options_.motion, options_.source, since_aligned_m_, since_aligned_s_);
     };
-    const FitQuestion question = question_of(predicted, prior_of(trust_.scaled(options_.noise)));
     const Matrix6 model = prior_of(options_.noise);
+    const FitQuestion question = question_of(predicted, learns_trust ? prior_of(trust_.scaled(options_.noise)) : model);
     sample_and_fit(frame, question);
     Matrix6 information{};
     result = judge(question, model, is_robot ? options_.most_surprise : std::numeric_limits<double>::infinity(),
                    information);
-    if (result.outcome == AlignOutcome::aligned && learns && options_.learns_trust) {
+    if (result.outcome == AlignOutcome::aligned && learns_trust) {
       trust_.learn(result.correction, information, question.prior, model, since_aligned_s_);
     }
   }

@@ -41,7 +41,8 @@ struct AlignOptions {
   /// Planar, with a map: a robot's odometry is no farther off than so many of its standard deviations. What asks for
   /// more is taken for somebody who moves, most of whom was there before; a robot that is pushed is not helped then.
   double most_surprise = 4.0;
-  bool learns_trust = true;  ///< planar, measured: `noise` is what odometry is taken for until it has shown what it is
+  /// Planar, measured: how well odometry knows its turns is learnt, see OdometryTrust. False: `noise` says it.
+  bool learns_trust = true;
 };
 
 struct AlignResult {
@@ -53,6 +54,8 @@ struct AlignResult {
   double surprise = 0.0;     ///< how many of odometry's standard deviations the correction is
   bool holds_shift = false;  ///< in some direction odometry says more than the scene does
   bool holds_turn = false;
+  /// Some of the step, or all of it, is odometry's word alone.
+  [[nodiscard]] bool is_held() const { return !is_corrected(outcome) || holds_shift || holds_turn; }
 };
 
 class Aligner {

@@ -33,7 +33,8 @@ Matrix3 floor_of(const Matrix6& m) {
   return f;
 }
 
-/// By cofactors, of a symmetric matrix. False if it has none.
+/// By cofactors, of a symmetric matrix; no library, whose order of operations differs between processors. False if it
+/// has none.
 bool invert(const Matrix3& m, Matrix3& inverse) {
   const double c0 = m[4] * m[8] - m[5] * m[7];
   const double c1 = m[5] * m[6] - m[3] * m[8];

@@ -50,8 +50,8 @@ bool DrivingLoops::begins_to_move(hal::TimeNs stamp_ns) {
 void DrivingLoops::add(const hal::Frame& frame, const align::AlignResult& placed,
                        std::span<const align::DepthSample> samples, std::span<const std::uint32_t> changed_slots) {
   sketch_.add(frame, placed.T_world_camera);
-  const bool is_held = !align::is_corrected(placed.outcome) || placed.holds_shift || placed.holds_turn;
-  const bool is_full = chain_.add_frame(frame.stamp_ns, placed.T_world_camera, changed_slots, samples, is_held);
+  const bool is_full =
+      chain_.add_frame(frame.stamp_ns, placed.T_world_camera, changed_slots, samples, placed.is_held());
   if (is_full && !search_.is_busy() && chain_.finish_submap(sketch_.take())) ask(frame.stamp_ns);
 }
 

@@ -92,7 +92,7 @@ std::optional<LoopFinder::Candidate> LoopFinder::alike_candidate(const SubmapCha
 std::vector<Loop> LoopFinder::find(const SubmapChain& chain) {
   std::vector<Loop> loops;
   if (chain.submaps().size() <= options_.least_age) return loops;
-  std::vector<Candidate> candidates = near_candidates(chain);
+  const std::vector<Candidate> candidates = near_candidates(chain);
   const std::size_t newest = chain.submaps().size() - 1;
   std::optional<Part> now;
   std::optional<Part> newest_alone;

@@ -20,9 +20,8 @@ const align::AlignResult& LoopedMap::align(const hal::Frame& frame, const hal::P
 
 bool LoopedMap::add(const hal::Frame& frame, std::span<const std::uint32_t> changed_slots) {
   sketch_.add(frame, last_.T_world_camera);
-  const bool is_held = !align::is_corrected(last_.outcome) || last_.holds_shift || last_.holds_turn;
   const bool is_due =
-      chain_.add_frame(frame.stamp_ns, last_.T_world_camera, changed_slots, aligner_.samples(), is_held);
+      chain_.add_frame(frame.stamp_ns, last_.T_world_camera, changed_slots, aligner_.samples(), last_.is_held());
   return is_due && finish();
 }
 

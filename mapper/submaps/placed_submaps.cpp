@@ -8,11 +8,6 @@
 
 namespace g3d::mapper::submaps {
 
-void sort_and_drop_repeats(std::vector<BlockKey>& keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-}
-
 std::unique_ptr<PlacedSubmaps::Placed> PlacedSubmaps::place(const VoxelMap& voxels,
                                                             const hal::Pose& T_world_stored) const {
   auto placed = std::make_unique<Placed>(Placed{MapSampler(voxels, T_world_stored, grid_, hal::Pose{}), {}});

@@ -46,6 +46,4 @@ class PlacedSubmaps {
   std::vector<std::unique_ptr<Placed>> placed_;
 };
 
-void sort_and_drop_repeats(std::vector<BlockKey>& keys);
-
 }  // namespace g3d::mapper::submaps

@@ -8,14 +8,14 @@ namespace {
 
 constexpr double kStep_s = 0.2;
 
-mapper::MapperConfig small_map() {
+}  // namespace
+
+mapper::MapperConfig looped_drive_config() {
   mapper::MapperConfig config;
   config.with_colour = false;
   config.capacity = {1U << 15, 1U << 14, 1U << 15};
   return config;
 }
-
-}  // namespace
 
 hal::Pose DriveTwice::true_pose_at(hal::TimeNs stamp_ns) const {
   const auto found = std::find_if(work.frames.begin(), work.frames.end(),
@@ -44,7 +44,7 @@ DriveTwice twice_through(const std::string& builtin, int frames) {
 UnalignedDrive::UnalignedDrive(const DriveTwice& twice, const hal::PoseDrift& drift)
     : twice_(twice),
       odometry_(hal::drifted(twice.truth(), drift)),
-      mapper_(small_map(), twice.work.camera),
+      mapper_(looped_drive_config(), twice.work.camera),
       samples_(twice.work.camera),
       sketch_(twice.work.camera),
       chain_(mapper_.map()) {}

@@ -25,6 +25,9 @@ struct DriveTwice {
 /// 25 s of the furnished room.
 [[nodiscard]] inline DriveTwice twice_through_a_room() { return twice_through("furnished_room", 125); }
 
+/// For one such drive, without colours.
+[[nodiscard]] mapper::MapperConfig looped_drive_config();
+
 class UnalignedDrive {
  public:
   UnalignedDrive(const DriveTwice& twice, const hal::PoseDrift& drift);

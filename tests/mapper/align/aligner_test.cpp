@@ -229,3 +229,45 @@ TEST_CASE("after a correction frames are aligned to where the surfaces are now",
   }
   CHECK(aligner.report().corrected() >= 6);
 }
+
+TEST_CASE("a base whose turns are exact comes to be believed more than noisy images are", "[mapper][align][slow]") {
+  auto world = hal::parse_world(kFurnished, "test.world");
+  REQUIRE(world.ok());
+  const hal::CameraModel camera = test::small_camera(160);
+  hal::SimRenderer renderer(std::move(world).value(), {.camera = camera});
+  hal::Frame frame = hal::make_frame(camera);
+  AlignOptions fixed;
+  fixed.learns_trust = false;
+  Aligner learning({}, camera);
+  Aligner believing(fixed, camera);
+  double learning_rad2 = 0.0;
+  double believing_rad2 = 0.0;
+  for (int i = 0; i < 240; ++i) {  // a turn in place
+    const hal::Pose truth = hal::camera_pose({0.0, 0.0, 0.4}, 1.5 * i, -5.0);
+    renderer.render(truth, i * 100'000'000LL, static_cast<std::uint64_t>(i), frame);
+    const auto square = [&](const AlignResult& result) {
+      const double off = turn_of(difference(truth, result.T_world_camera));
+      return off * off;
+    };
+    learning_rad2 += square(learning.align(frame, truth));
+    believing_rad2 += square(believing.align(frame, truth));
+  }
+  CHECK(learning.trust().turn_scale() < 0.1);
+  CHECK(learning_rad2 < believing_rad2);
+}
+
+TEST_CASE("in a hand nothing is learnt of turns, and they are held as loosely as they are stated to be",
+          "[mapper][align]") {
+  const Drive d = drive(kFurnished, -1.5, 0.0, 0.0, 0.2, 12);
+  const std::vector<hal::StampedPose> odometry = hal::drifted(d.truth, hal::hand_held_drift(1));
+  AlignOptions free;
+  free.motion = Motion::free;
+  AlignOptions fixed = free;
+  fixed.learns_trust = false;
+  const Run a = align_all(d, odometry, free);
+  const Run b = align_all(d, odometry, fixed);
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    CHECK(a.poses[i].T_world_camera.translation_m == b.poses[i].T_world_camera.translation_m);
+    CHECK(a.poses[i].T_world_camera.rotation_xyzw == b.poses[i].T_world_camera.rotation_xyzw);
+  }
+}

@@ -27,11 +27,8 @@ struct Run {
 /// A robot that does not stop for moves of the map: some of its frames are not mapped.
 Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const DrivingOptions& options) {
   const std::vector<hal::StampedPose> odometry = hal::drifted(twice.truth(), drift);
-  MapperConfig config;
-  config.with_colour = false;
-  config.capacity = {1U << 15, 1U << 14, 1U << 15};
   Run r;
-  r.mapper = std::make_unique<Mapper>(config, twice.work.camera);
+  r.mapper = std::make_unique<Mapper>(test::looped_drive_config(), twice.work.camera);
   align::Aligner aligner({}, twice.work.camera);
   DrivingLoops loops(r.mapper->map(), twice.work.camera, options);
   std::vector<hal::StampedPose> live;

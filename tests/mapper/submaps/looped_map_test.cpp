@@ -24,10 +24,7 @@ struct Run {
 
 Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const LoopedOptions& options) {
   const std::vector<hal::StampedPose> odometry = hal::drifted(twice.truth(), drift);
-  MapperConfig config;
-  config.with_colour = false;
-  config.capacity = {1U << 15, 1U << 14, 1U << 15};
-  Run r{std::make_unique<Mapper>(config, twice.work.camera), {}, {}, {}, 0};
+  Run r{std::make_unique<Mapper>(test::looped_drive_config(), twice.work.camera), {}, {}, {}, 0};
   LoopedMap looped(r.mapper->map(), twice.work.camera, options);
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     const hal::Frame& frame = twice.work.frames[i].frame;
