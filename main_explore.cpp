@@ -218,7 +218,7 @@ int run_explore(const SimOptions& options, const std::string& command_line) {
   const auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();
-  if (const auto problem = loops_problem(board, mapping)) return bad_usage(*problem);
+  if (const auto problem = loops_problem(mapping)) return bad_usage(*problem);
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   const std::string world_name = options.world == "builtin" ? "furnished_room" : options.world;

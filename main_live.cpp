@@ -39,7 +39,7 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (!in_simulation && fails_in_simulation) return "--fail: only the disk of a real robot can be made to fail";
   if (!in_simulation && options.staging.battery_min > 0.0) return "--battery is for a simulated base";
   if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
-  if (auto problem = loops_problem(board, options.mapping)) return problem;
+  if (auto problem = loops_problem(options.mapping)) return problem;
   if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
   return std::nullopt;
 }

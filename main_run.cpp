@@ -19,6 +19,7 @@
 #include "hal/replay/standing_pose.hpp"
 #include "hal/replay/trajectory_file.hpp"
 #include "main_commands.hpp"
+#include "main_paging.hpp"
 #include "main_run.hpp"
 #include "main_say.hpp"
 #include "main_setup.hpp"
@@ -29,10 +30,8 @@
 #include "mapper/pipeline.hpp"
 #include "mapper/progress_bar.hpp"
 #include "mapper/report.hpp"
-#include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
 #include "mapper/scan_mask.hpp"
-#include "mapper/submaps/looped_map.hpp"
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
 #include "nav/outputs.hpp"
@@ -72,34 +71,6 @@ hal::Result<void> make_folder(const std::string& path) {
 mapper::ProgressStyle progress_style(const MappingOptions& options) {
   if (options.quiet) return mapper::ProgressStyle::quiet;
   return isatty(STDERR_FILENO) != 0 ? mapper::ProgressStyle::terminal : mapper::ProgressStyle::plain;
-}
-
-/// None if the board asks for none.
-hal::Result<std::unique_ptr<mapper::RollingWindow>> make_window(mapper::Mapper& mapper, const hal::CameraModel& camera,
-                                                                const board::Board& board,
-                                                                const MappingOptions& options) {
-  if (board.map_window_radius_m <= 0.0) return std::unique_ptr<mapper::RollingWindow>{};
-  auto file = mapper::create_page_file(options.out_dir);
-  if (!file) return file.error();
-  mapper::WindowConfig config;
-  config.radius_m = board.map_window_radius_m;
-  config.lockstep = options.rate <= 0.0;
-  return std::make_unique<mapper::RollingWindow>(mapper, camera, config, std::move(file).value());
-}
-
-mapper::PagingReport paging_report(mapper::RollingWindow& window) {
-  const mapper::WindowCounts& counts = window.counts();
-  return {.radius_m = window.full_radius_m(),
-          .smallest_radius_m = counts.smallest_radius_m,
-          .regions_out = counts.regions_out,
-          .regions_in = counts.regions_in,
-          .blocks_out = counts.blocks_out,
-          .blocks_in = counts.blocks_in,
-          .regions_on_disk = window.store().region_count(),
-          .late_regions = counts.late_regions,
-          .failed_stores = counts.failed_stores,
-          .failed_loads = counts.failed_loads,
-          .page_file_bytes = window.store().file_bytes()};
 }
 
 /// `whole`: the map, whatever is not in memory included.
@@ -154,7 +125,7 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   if (options.checkpoint_s > 0.0 && board.map_window_radius_m > 0.0) {
     return bad_usage("--checkpoint saves what is in memory, so it does not go with --window; give one of them");
   }
-  if (const auto problem = loops_problem(board, options)) return bad_usage(*problem);
+  if (const auto problem = loops_problem(options)) return bad_usage(*problem);
   if (const auto made = make_folder(options.out_dir); !made) return fail(made.error().text);
   const std::string trajectory_path = options.out_dir + "/trajectory.tum";
   auto trajectory = hal::TrajectoryWriter::create(trajectory_path);
@@ -177,10 +148,14 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   hal::RealClock clock;
   std::unique_ptr<mapper::align::Aligner> aligner;
   std::unique_ptr<mapper::submaps::LoopedMap> looped;
+  auto pages = open_pages(board, options);
+  if (!pages) return fail(pages.error().text);
   if (align && options.loops) {
     mapper::submaps::LoopedOptions looped_options;
     looped_options.align = *align;
-    looped = std::make_unique<mapper::submaps::LoopedMap>(mapper.map(), source.camera.model(), looped_options);
+    looped_options.window = {board.map_window_radius_m, mapper.config().near_m, mapper.config().far_m};
+    looped = std::make_unique<mapper::submaps::LoopedMap>(mapper.map(), source.camera.model(), looped_options,
+                                                          std::move(pages).value());
   } else if (align) {
     aligner = std::make_unique<mapper::align::Aligner>(*align, source.camera.model(), mapper.fit_card());
   }
@@ -193,9 +168,10 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   }
   mapper::ProgressBar bar(stderr, progress_style(options), source.camera.frame_count());
   mapper::RunSink sink(trajectory.value(), bar, clock, odometry ? &*odometry : nullptr);
-  auto made_window = make_window(mapper, source.camera.model(), board, options);
-  if (!made_window) return fail(made_window.error().text);
-  const std::unique_ptr<mapper::RollingWindow> window = std::move(made_window).value();
+  std::unique_ptr<mapper::RollingWindow> window;
+  if (looped == nullptr && pages.value() != nullptr) {
+    window = make_window(mapper, source.camera.model(), board, options, std::move(pages).value());
+  }
   const auto footprint = start_footprint(board, options);
   if (!footprint) return bad_usage(footprint.error().text);
   mapper::Pipeline pipeline(source.camera, source.poses, mapper, sink, clock,
@@ -226,27 +202,20 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
     }
   }
   const std::uint64_t memory_bytes = mapper.map().memory().used_bytes;
-  std::optional<mapper::PagingReport> paging;
-  std::unique_ptr<mapper::BlockSource> whole = std::make_unique<mapper::MemoryBlocks>(mapper.map());
-  bool is_all_in_memory = true;
-  if (window != nullptr) {
-    window->finish();
-    paging = paging_report(*window);
-    is_all_in_memory = gather(mapper.map(), window->store());
-    whole = std::make_unique<mapper::WindowedBlocks>(mapper.map(), window->store());
-  }
-  mapper::RunReport report = make_report(pipeline, *whole, board, options.seed, command_line);
-  const mapper::MapCounts counts = is_all_in_memory ? mapper.map().counts() : measure(*whole).value().counts;
+  const GatheredMap gathered = gather_map(mapper.map(), window.get(), looped.get());
+  const mapper::BlockSource& whole = *gathered.whole;
+  mapper::RunReport report = make_report(pipeline, whole, board, options.seed, command_line);
+  const mapper::MapCounts counts = gathered.is_all_in_memory ? mapper.map().counts() : measure(whole).value().counts;
   report.occupied = counts.occupied;
   report.free = counts.free;
   report.memory_bytes = memory_bytes;
-  report.paging = paging;
+  report.paging = gathered.paging;
   report_mapper(mapper, report);
   report_alignment(looped != nullptr ? &looped->aligner() : aligner.get(), options, report);
   if (looped != nullptr) report.loops = looped->report();
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
-  if (window != nullptr && !window->first_error().empty()) report.notes.push_back(window->first_error());
-  if (!is_all_in_memory) {
+  if (!gathered.first_error.empty()) report.notes.push_back(gathered.first_error);
+  if (!gathered.is_all_in_memory) {
     report.notes.push_back(
         fmt::format("the whole map is larger than {} MB of memory: only map.g3d was written; for the other files, "
                     "g3dmap export {}/map.g3d --to FILE where there is more memory",
@@ -263,8 +232,8 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   output_options.trajectory = poses;
   output_options.band = {static_cast<float>(board.ground_low_m), static_cast<float>(board.ground_high_m)};
   output_options.meta.steps = mapper.config().steps;
-  nav::Outputs outputs = is_all_in_memory ? nav::write_outputs(mapper.map(), output_options, options.out_dir)
-                                          : nav::write_native_output(*whole, output_options, options.out_dir);
+  nav::Outputs outputs = gathered.is_all_in_memory ? nav::write_outputs(mapper.map(), output_options, options.out_dir)
+                                                   : nav::write_native_output(whole, output_options, options.out_dir);
   report.file_bytes = outputs.map_file_bytes;
   failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
   std::error_code no_size;

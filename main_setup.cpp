@@ -85,13 +85,12 @@ std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& o
   return align;
 }
 
-std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options) {
+std::optional<std::string> loops_problem(const MappingOptions& options) {
   if (!options.loops) return std::nullopt;
   if (options.odometry == "given") return "--loops corrects poses that are aligned; add --odometry aligned";
-  const char* other = options.checkpoint_s > 0.0        ? "--checkpoint"
-                      : board.map_window_radius_m > 0.0 ? "--window"
-                      : options.mapper == "cuda"        ? "--mapper cuda"
-                                                        : nullptr;
+  const char* other = options.checkpoint_s > 0.0 ? "--checkpoint"
+                      : options.mapper == "cuda" ? "--mapper cuda"
+                                                 : nullptr;
   if (other == nullptr) return std::nullopt;
   return fmt::format("--loops moves the whole map at once, so it does not go with {}; leave one of them out", other);
 }

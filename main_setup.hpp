@@ -34,7 +34,7 @@ void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report);
 /// How poses are corrected; none if they are taken as given.
 [[nodiscard]] std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& options);
 /// A sentence if the command line asks for loops and for what does not go with them.
-[[nodiscard]] std::optional<std::string> loops_problem(const board::Board& board, const MappingOptions& options);
+[[nodiscard]] std::optional<std::string> loops_problem(const MappingOptions& options);
 /// What came of it, for the report; nothing if `aligner` is nullptr.
 void report_alignment(const mapper::align::Aligner* aligner, const MappingOptions& options, mapper::RunReport& report);
 /// None if the command line asks for none. The error is one of usage.

@@ -17,9 +17,9 @@ std::int32_t sampled_index(double x_m, double resolution_m) {
 
 }  // namespace
 
-MapSampler::MapSampler(const VoxelMap& map, const hal::Pose& T_world_map, const Grid& target,
+MapSampler::MapSampler(const Grid& source, const hal::Pose& T_world_map, const Grid& target,
                        const hal::Pose& T_world_target)
-    : source_(map), target_(target) {
+    : source_grid_(source), target_(target) {
   const hal::Pose T_source_target = hal::compose(hal::inverse(T_world_map), T_world_target);
   T_source_target_ = transform_of(T_source_target);
   T_target_source_ = transform_of(hal::inverse(T_source_target));
@@ -43,8 +43,8 @@ MapSampler::Transform MapSampler::transform_of(const hal::Pose& pose) {
       pose.translation_m};
 }
 
-void MapSampler::add_target_keys(std::vector<BlockKey>& keys) const {
-  for (const BlockKey key : source_.sorted_keys()) {
+void MapSampler::add_target_keys(std::span<const BlockKey> source_keys, std::vector<BlockKey>& keys) const {
+  for (const BlockKey key : source_keys) {
     const auto [low, high] = touched_box(block_origin(key));
     for (std::int32_t z = low.z & ~7; z <= high.z; z += kBlockSide_cells) {
       for (std::int32_t y = low.y & ~7; y <= high.y; y += kBlockSide_cells) {
@@ -63,7 +63,7 @@ bool MapSampler::sample_unknown(BlockKey target_key, BlockValues& values) {
   if (whole_blocks) {
     const VoxelIndex v{origin.x + shift_.x, origin.y + shift_.y, origin.z + shift_.z};
     BlockValues own;
-    if (!is_inside_grid(v) || !source_.read_stored_block(block_of(v), own)) own.fill(kUnknownRgbo);
+    if (!is_inside_grid(v) || !source_->read_stored_block(block_of(v), own)) own.fill(kUnknownRgbo);
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (state_of(values[i]) == State::unknown) values[i] = own[i];
       complete &= state_of(values[i]) != State::unknown;
@@ -80,7 +80,7 @@ bool MapSampler::sample_unknown(BlockKey target_key, BlockValues& values) {
 }
 
 bool MapSampler::find_shift() {
-  if (!(source_.grid() == target_)) return false;
+  if (!(source_grid_ == target_)) return false;
   constexpr double kSlack = 1e-6;  // of a voxel, and over the whole grid for the rotation
   for (std::size_t i = 0; i < 9; ++i) {
     if (std::abs(T_source_target_.rotation[i] - (i % 4 == 0 ? 1.0 : 0.0)) > kSlack / kAxisCells) return false;
@@ -119,13 +119,13 @@ MapSampler::Box MapSampler::touched_box(const VoxelIndex& origin) const {
 }
 
 double MapSampler::edge_m(std::int32_t k) const {
-  return (static_cast<double>(k) - 32768.0) * static_cast<double>(source_.grid().resolution_m);
+  return (static_cast<double>(k) - 32768.0) * static_cast<double>(source_grid_.resolution_m);
 }
 
 VoxelIndex MapSampler::source_voxel(const VoxelIndex& target) const {
   if (is_aligned_) return {target.x + shift_.x, target.y + shift_.y, target.z + shift_.z};
   const Vector p = T_source_target_.apply(target_.centre_m(target));
-  const auto r = static_cast<double>(source_.grid().resolution_m);
+  const auto r = static_cast<double>(source_grid_.resolution_m);
   return {sampled_index(p[0], r), sampled_index(p[1], r), sampled_index(p[2], r)};
 }
 
@@ -134,10 +134,10 @@ Rgbo MapSampler::look_up(const VoxelIndex& v) {
   const MCode code = encode(v);
   if (code >> kBlockShift != cached_key_) {
     cached_key_ = code >> kBlockShift;
-    cached_slot_ = source_.find(cached_key_);
+    cached_slot_ = source_->find(cached_key_);
   }
   if (cached_slot_ == kNoSlot) return kUnknownRgbo;
-  return stored_value(source_, source_.header(cached_slot_), static_cast<int>(code & kPlaceMask));
+  return stored_value(*source_, source_->header(cached_slot_), static_cast<int>(code & kPlaceMask));
 }
 
 void sort_and_drop_repeats(std::vector<BlockKey>& keys) {

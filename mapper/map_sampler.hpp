@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,10 +17,22 @@ namespace g3d::mapper {
 class MapSampler {
  public:
   /// `map` outlives the sampler.
-  MapSampler(const VoxelMap& map, const hal::Pose& T_world_map, const Grid& target, const hal::Pose& T_world_target);
+  MapSampler(const VoxelMap& map, const hal::Pose& T_world_map, const Grid& target, const hal::Pose& T_world_target)
+      : MapSampler(map.grid(), T_world_map, target, T_world_target) {
+    look_into(map);
+  }
+  /// Of a map that is elsewhere for now: look_into() before anything is sampled.
+  MapSampler(const Grid& source, const hal::Pose& T_world_map, const Grid& target, const hal::Pose& T_world_target);
+  /// `map`: with the blocks that it had the last time, wherever it lies by now.
+  void look_into(const VoxelMap& map) {
+    source_ = &map;
+    cached_key_ = VoxelMap::kNoKey;
+  }
 
   /// Appends every target block that a block of the map may touch; some of them twice.
-  void add_target_keys(std::vector<BlockKey>& keys) const;
+  void add_target_keys(std::vector<BlockKey>& keys) const { add_target_keys(source_->sorted_keys(), keys); }
+  /// The same for blocks of the map that somebody has listed.
+  void add_target_keys(std::span<const BlockKey> source_keys, std::vector<BlockKey>& keys) const;
   /// The map's codes (stored form) at the 512 voxels of a target block.
   void sample(BlockKey target_key, BlockValues& out) {
     out.fill(kUnknownRgbo);
@@ -47,7 +60,8 @@ class MapSampler {
   [[nodiscard]] VoxelIndex source_voxel(const VoxelIndex& target) const;
   [[nodiscard]] Rgbo look_up(const VoxelIndex& v);
 
-  const VoxelMap& source_;
+  const VoxelMap* source_ = nullptr;
+  Grid source_grid_;
   Grid target_;
   Transform T_source_target_{};
   Transform T_target_source_{};

@@ -206,6 +206,7 @@ void Pipeline::integrate(const PosedMessage& message) {
   MappedFrame mapped{frame.stamp_ns, message.posed.T_world_camera, message.T_odometry_camera, {}};
   align_here(frame, mapped);
   if (config_.window != nullptr) config_.window->prepare(mapped.T_world_camera);
+  if (config_.looped != nullptr) config_.looped->prepare();
   if (config_.footprint && !std::exchange(footprint_freed_, true)) {
     const hal::Pose T_world_base = hal::compose(mapped.T_world_camera, hal::inverse(config_.footprint->T_base_camera));
     mapper_.free_footprint(T_world_base.translation_m, config_.footprint->radius_m, config_.footprint->height_m);

@@ -75,7 +75,8 @@ struct PipelineConfig {
   std::optional<StartFootprint> footprint = std::nullopt;
   /// Corrects every pose before its frame is integrated: in the pose thread, or in the mapper's if a card does it.
   align::Aligner* aligner = nullptr;
-  /// Instead of an aligner: the same in the mapper's thread, and the whole map is corrected now and then. Allocates.
+  /// Instead of an aligner and a window: the same in the mapper's thread, and the whole map is corrected now and then.
+  /// Allocates.
   submaps::LoopedMap* looped = nullptr;
 };
 

@@ -40,6 +40,8 @@ void write_paging(JsonWriter& json, const PagingReport& paging) {
   json.member("regions_out", paging.regions_out).member("regions_in", paging.regions_in);
   json.member("blocks_out", paging.blocks_out).member("blocks_in", paging.blocks_in);
   json.member("regions_on_disk", paging.regions_on_disk).member("late_regions", paging.late_regions);
+  json.member("submaps_out", paging.submaps_out).member("submaps_in", paging.submaps_in);
+  json.member("submaps_on_disk", paging.submaps_on_disk);
   json.member("failed_stores", paging.failed_stores).member("failed_loads", paging.failed_loads);
   json.member("page_file_bytes", paging.page_file_bytes).end_object();
 }

@@ -44,6 +44,9 @@ struct PagingReport {
   std::uint64_t blocks_out = 0;
   std::uint64_t blocks_in = 0;
   std::uint64_t regions_on_disk = 0;  ///< at the end
+  std::uint64_t submaps_out = 0;      ///< with loops: that went to disk as a whole ...
+  std::uint64_t submaps_in = 0;       ///< ... and came back for a while
+  std::uint64_t submaps_on_disk = 0;  ///< at the end
   std::uint64_t late_regions = 0;     ///< seen before they were back, then merged
   std::uint64_t failed_stores = 0;    ///< those regions stayed in memory
   std::uint64_t failed_loads = 0;     ///< those regions are lost

@@ -18,10 +18,13 @@ void Placing::place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight&
   sight.T_world_base = T_world_base;
 }
 
-void Placing::move(const mapper::submaps::ChainMove& move) {
+void Placing::correct(const mapper::submaps::ChainMove& move) {
   if (aligner_ == nullptr) return;
   aligner_->correct(move.newest(), [&](hal::TimeNs born_ns) { return move.at(born_ns); });
-  T_world_odometry_ = compose(on_plane(move.newest()), T_world_odometry_);
+}
+
+void Placing::move(const mapper::submaps::ChainMove& move) {
+  if (aligner_ != nullptr) T_world_odometry_ = compose(on_plane(move.newest()), T_world_odometry_);
 }
 
 }  // namespace g3d::nav

@@ -4,7 +4,7 @@
 //
 //   T_world_base now = T_world_odometry (of the last frame) * T_odometry_base now
 //
-// place() is of the thread that maps, the rest of any, by value.
+// place() is of the thread that maps, the rest of any, by value; correct() of any while nobody places.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,10 @@ class Placing {
   /// Frames in their order. `sight`, which is not refused, has the poses of odometry and gets the corrected ones.
   /// `map`: of the frames before, not written to meanwhile.
   void place(const hal::Frame& frame, const mapper::VoxelMap& map, Sight& sight);
-  /// The map was corrected after the last frame. Takes some ten milliseconds.
+  /// The map was corrected after the last frame: so is what frames are aligned to. Takes up to some hundred
+  /// milliseconds, and allocates.
+  void correct(const mapper::submaps::ChainMove& move);
+  /// The other part of that: where odometry stands.
   void move(const mapper::submaps::ChainMove& move);
   /// How the last frame was placed.
   [[nodiscard]] const mapper::align::AlignResult& last() const { return last_; }

@@ -16,7 +16,9 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       navigator_(mapper_.map().grid(), config.navigator),
       senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}),
       placing_(config.align, config.camera, config.T_base_camera, mapper_.fit_card()),
-      loops_(config.loops ? std::make_unique<mapper::submaps::DrivingLoops>(mapper_.map(), config.camera, *config.loops)
+      loops_(config.loops ? std::make_unique<mapper::submaps::DrivingLoops>(
+                                mapper_.map(), config.camera, *config.loops,
+                                [this](const mapper::submaps::ChainMove& move) { placing_.correct(move); })
                           : nullptr) {
   mapper_.follow_columns(navigator_.column_tables());
 }

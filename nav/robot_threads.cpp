@@ -55,8 +55,9 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
       senses_({config.robot.camera, config.robot.T_base_camera, config.robot.T_world_start, config.robot.frame_watch}),
       mapper_(config.robot.mapper, config.robot.camera, {}),
       placing_(config.robot.align, config.robot.camera, config.robot.T_base_camera, mapper_.fit_card()),
-      loops_(config.robot.loops ? std::make_unique<mapper::submaps::DrivingLoops>(mapper_.map(), config.robot.camera,
-                                                                                  *config.robot.loops)
+      loops_(config.robot.loops ? std::make_unique<mapper::submaps::DrivingLoops>(
+                                      mapper_.map(), config.robot.camera, *config.robot.loops,
+                                      [this](const mapper::submaps::ChainMove& move) { placing_.correct(move); })
                                 : nullptr),
       navigator_(mapper_.map().grid(), config.robot.navigator),
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/driving_loops.hpp"
 
-#include <limits>
 #include <utility>
 
 namespace g3d::mapper::submaps {
@@ -14,37 +13,20 @@ CloserOptions on_floor(CloserOptions options) {
 
 }  // namespace
 
-DrivingLoops::DrivingLoops(VoxelMap& view, const hal::CameraModel& camera, const DrivingOptions& options)
+DrivingLoops::DrivingLoops(VoxelMap& view, const hal::CameraModel& camera, const DrivingOptions& options,
+                           std::function<void(const ChainMove&)> on_moved)
     : options_(options),
+      on_moved_(std::move(on_moved)),
       sketch_(camera),
       chain_(view, options.chain),
-      view_move_(view),
-      search_(on_floor(options.closer), options.join) {}
+      stretch_(view),
+      closer_(on_floor(options.closer)),
+      view_move_(view, options.most_blocks_per_frame) {}
 
-void DrivingLoops::ask(hal::TimeNs stamp_ns) {
-  asked_ns_ = stamp_ns;
-  search_.ask(chain_);
-}
-
-bool DrivingLoops::take_answer() {
-  MovedSubmaps moved = search_.take();
-  if (moved.placed == nullptr) return false;
-  // What was seen since the question goes along with what was seen right before it.
-  const bool is_fresh = chain_.finish_submap(sketch_.take());
-  LoopCloser& closer = search_.closer();
-  if (is_fresh) closer.add_following(chain_);
-  move_ = ChainMove(chain_.submaps(), closer.T_world_stored());
-  chain_.place(closer.T_world_stored(), std::move(moved.placed));
-  view_move_.begin(chain_, std::move(moved.whole), is_fresh ? 1 : 0);
+bool DrivingLoops::end_stretch() {
+  if (!chain_.recorder().take(stretch_)) return false;
+  sketch_.end();
   return true;
-}
-
-void DrivingLoops::wait_if_due(hal::TimeNs stamp_ns) {
-  if (options_.is_lockstep && is_due(stamp_ns)) search_.wait();
-}
-
-bool DrivingLoops::begins_to_move(hal::TimeNs stamp_ns) {
-  return is_due(stamp_ns) && search_.has_answer() && take_answer();
 }
 
 void DrivingLoops::add(const hal::Frame& frame, const align::AlignResult& placed,
@@ -52,25 +34,92 @@ void DrivingLoops::add(const hal::Frame& frame, const align::AlignResult& placed
   sketch_.add(frame, placed.T_world_camera);
   const bool is_full =
       chain_.add_frame(frame.stamp_ns, placed.T_world_camera, changed_slots, samples, placed.is_held());
-  if (is_full && !search_.is_busy() && chain_.finish_submap(sketch_.take())) ask(frame.stamp_ns);
+  if (!is_full || errand_.is_busy() || !end_stretch()) return;
+  asked_ns_ = frame.stamp_ns;
+  errand_.start([this] { search(); });
 }
 
-void DrivingLoops::wait_and_move() {
-  search_.wait();
-  if (!take_answer()) return;
-  while (is_moving()) (void)view_move_.go_on(std::numeric_limits<std::size_t>::max());
+void DrivingLoops::search() {
+  chain_.add(stretch_, sketch_.take_ended());
+  join_old(chain_, closer_, options_.join);
+  if (!closer_.add_submap(chain_)) return;
+  placed_ = std::make_unique<PlacedSubmaps>(chain_.view().grid());
+  const auto submaps = chain_.submaps();
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    placed_->add(*submaps[i].contents, closer_.T_world_stored()[i]);
+  }
+  whole_ = placed_->whole();
+}
+
+void DrivingLoops::wait_if_due(hal::TimeNs stamp_ns) {
+  if (options_.is_lockstep && (is_moving() || is_due(stamp_ns))) errand_.wait();
+}
+
+bool DrivingLoops::begins_to_move(hal::TimeNs stamp_ns) {
+  return is_due(stamp_ns) && errand_.is_done() && take_answer();
+}
+
+// What was seen since the question goes along with what was seen right before it.
+bool DrivingLoops::take_answer() {
+  errand_.take();
+  if (placed_ == nullptr) return false;
+  has_fresh_ = end_stretch();
+  phase_ = Phase::preparing;
+  errand_.start([this] { prepare(); });
+  return true;
+}
+
+void DrivingLoops::prepare() {
+  if (has_fresh_) {
+    chain_.add(stretch_, sketch_.take_ended());
+    closer_.add_following(chain_);
+  }
+  move_ = ChainMove(chain_.submaps(), closer_.T_world_stored());
+  chain_.place(closer_.T_world_stored(), std::move(placed_));
+  view_move_.begin(chain_, std::move(whole_), has_fresh_ ? 1 : 0);
+}
+
+void DrivingLoops::settle() {
+  view_move_.end();
+  if (on_moved_) on_moved_(move_);
+}
+
+std::span<const std::uint32_t> DrivingLoops::move_on() {
+  if (phase_ != Phase::moving) {
+    if (!errand_.is_done()) return {};
+    errand_.take();
+    phase_ = phase_ == Phase::preparing ? Phase::moving : Phase::mapping;
+    if (phase_ == Phase::mapping) return {};
+  }
+  const auto slots = view_move_.go_on();
+  if (view_move_.is_done()) {
+    phase_ = Phase::settling;
+    errand_.start([this] { settle(); });
+  }
+  return slots;
+}
+
+void DrivingLoops::move_to_the_end() {
+  while (is_moving()) {
+    errand_.wait();
+    (void)move_on();
+  }
 }
 
 void DrivingLoops::finish() {
-  while (is_moving()) (void)view_move_.go_on(std::numeric_limits<std::size_t>::max());
-  if (search_.is_busy()) wait_and_move();
-  if (!chain_.finish_submap(sketch_.take())) return;
-  ask(asked_ns_);
-  wait_and_move();
+  move_to_the_end();
+  if (errand_.is_busy()) {
+    errand_.wait();
+    if (take_answer()) move_to_the_end();
+  }
+  if (!end_stretch()) return;
+  errand_.start([this] { search(); });
+  errand_.wait();
+  if (take_answer()) move_to_the_end();
 }
 
 CloserReport DrivingLoops::report() const {
-  CloserReport report = search_.closer().report();
+  CloserReport report = closer_.report();
   report.memory_bytes = chain_.memory_bytes();
   report.refused_blocks = view_move_.refused_blocks();
   return report;

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/looped_map.hpp"
 
+#include <utility>
+
 #include "mapper/submaps/chain_move.hpp"
 
 namespace g3d::mapper::submaps {
 
-LoopedMap::LoopedMap(VoxelMap& view, const hal::CameraModel& camera, const LoopedOptions& options)
+LoopedMap::LoopedMap(VoxelMap& view, const hal::CameraModel& camera, const LoopedOptions& options,
+                     std::unique_ptr<PageFile> pages)
     : aligner_(options.align, camera),
       sketch_(camera),
-      chain_(view, options.chain),
+      shelf_(pages != nullptr ? std::make_unique<SubmapShelf>(std::move(pages)) : nullptr),
+      chain_(view, options.chain, shelf_.get()),
+      window_(shelf_ != nullptr ? std::make_unique<ViewWindow>(chain_, view, camera, options.window) : nullptr),
       join_(options.join),
       closer_(options.closer) {}
 
@@ -18,17 +23,21 @@ const align::AlignResult& LoopedMap::align(const hal::Frame& frame, const hal::P
   return last_;
 }
 
+void LoopedMap::prepare() {
+  if (window_ != nullptr) window_->prepare(last_.T_world_camera);
+}
+
 bool LoopedMap::add(const hal::Frame& frame, std::span<const std::uint32_t> changed_slots) {
   sketch_.add(frame, last_.T_world_camera);
   const bool is_due =
       chain_.add_frame(frame.stamp_ns, last_.T_world_camera, changed_slots, aligner_.samples(), last_.is_held());
-  return is_due && finish();
+  return (is_due || (window_ != nullptr && window_->wants_submap())) && finish();
 }
 
 CloserReport LoopedMap::report() const {
   CloserReport report = closer_.report();
   report.memory_bytes = chain_.memory_bytes();
-  report.refused_blocks = chain_.refused_blocks();
+  report.refused_blocks = chain_.refused_blocks() + (window_ != nullptr ? window_->counts().refused_blocks : 0);
   return report;
 }
 
@@ -38,7 +47,11 @@ bool LoopedMap::finish() {
   if (!closer_.add_submap(chain_)) return false;
   const ChainMove move(chain_.submaps(), closer_.T_world_stored());
   chain_.place(closer_.T_world_stored());
-  chain_.rebuild();
+  if (window_ != nullptr) {
+    window_->rebuild(hal::compose(move.newest(), last_.T_world_camera));
+  } else {
+    chain_.rebuild();
+  }
   aligner_.correct(move.newest(), [&](hal::TimeNs born_ns) { return move.at(born_ns); });
   return true;
 }

@@ -38,8 +38,11 @@ SpaceSketch::SpaceSketch(const hal::CameraModel& camera, const SketchOptions& op
     : options_(options),
       camera_(camera),
       thin_(thinning_of(camera, options.width_px)),
-      thinned_(hal::make_frame(thinned_camera(camera, thin_))),
-      mapper_(sketch_config(options.resolution_m), thinned_camera(camera, thin_)) {}
+      thinned_(hal::make_frame(thinned_camera(camera, thin_))) {
+  for (auto& mapper : mappers_) {
+    mapper = std::make_unique<Mapper>(sketch_config(options.resolution_m), thinned_camera(camera, thin_));
+  }
+}
 
 void SpaceSketch::add(const hal::Frame& frame, const hal::Pose& T_world_camera) {
   if (frame.stamp_ns < due_ns_) return;
@@ -51,11 +54,11 @@ void SpaceSketch::add(const hal::Frame& frame, const hal::Pose& T_world_camera) 
   }
   thinned_.stamp_ns = frame.stamp_ns;
   thinned_.has_colour = false;
-  (void)mapper_.integrate(thinned_, T_world_camera);
+  (void)mappers_[active_]->integrate(thinned_, T_world_camera);
 }
 
-std::unique_ptr<VoxelMap> SpaceSketch::take() {
-  VoxelMap& full = mapper_.map();
+std::unique_ptr<VoxelMap> SpaceSketch::take_ended() {
+  VoxelMap& full = mappers_[1 - active_]->map();
   const std::uint32_t count = std::max<std::uint32_t>(full.block_count(), 1);
   auto own = std::make_unique<VoxelMap>(full.grid(), MapCapacity{count, count, 8});
   BlockValues values;

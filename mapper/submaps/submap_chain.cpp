@@ -13,12 +13,7 @@
 namespace g3d::mapper::submaps {
 namespace {
 
-constexpr std::size_t kSurfaceSlots = std::size_t{1} << 17;  // 8 m^2 of surface are 1250 pieces of 8 cm
-
-std::unique_ptr<VoxelMap> room_for(const Grid& grid, std::size_t blocks) {
-  const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(blocks, 1));
-  return std::make_unique<VoxelMap>(grid, MapCapacity{count, count, count * kBricksPerBlock});
-}
+constexpr std::size_t kJoinedSurfaceSlots = std::size_t{1} << 18;
 
 /// In an order of their own.
 std::vector<align::DepthSample> pieces_of(const align::SurfaceMap& surfaces) {
@@ -33,93 +28,50 @@ std::vector<align::DepthSample> pieces_of(const align::SurfaceMap& surfaces) {
 
 }  // namespace
 
-SubmapChain::SubmapChain(VoxelMap& view, const ChainOptions& options)
-    : view_(view),
-      options_(options),
-      placed_(std::make_unique<PlacedSubmaps>(view.grid())),
-      is_noted_(view.capacity().blocks, 0),
-      surfaces_({.slots = kSurfaceSlots}) {
-  changed_slots_.reserve(is_noted_.size());
-}
-
-void SubmapChain::note(std::uint32_t slot) {
-  if (is_noted_[slot] != 0) return;
-  is_noted_[slot] = 1;
-  changed_slots_.push_back(slot);
-}
-
-bool SubmapChain::add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera,
-                            std::span<const std::uint32_t> changed_slots, std::span<const align::DepthSample> samples,
-                            bool is_held) {
-  if (!has_begun_) {
-    has_begun_ = true;
-    // What was known before the first frame: the place where the robot stands.
-    for (std::uint32_t slot = 0; slot < view_.slot_end(); ++slot) {
-      if (view_.header(slot).key != VoxelMap::kNoKey) note(slot);
-    }
-    last_camera_ = T_world_camera;
-    last_ns_ = stamp_ns;
-  }
-  for (const std::uint32_t slot : changed_slots) note(slot);
-  surfaces_.add(samples, hal::to_transform(T_world_camera), stamp_ns);
-  const align::Vector6 step = align::difference(last_camera_, T_world_camera);
-  way_m_ += align::shift_of(step);
-  turn_rad_ += align::turn_of(step);
-  if (is_held) held_s_ += static_cast<double>(stamp_ns - last_ns_) / 1e9;
-  last_camera_ = T_world_camera;
-  last_ns_ = stamp_ns;
-  passed_.push_back({stamp_ns, T_world_camera, way_m_, turn_rad_, held_s_});
-  const double since_s = static_cast<double>(stamp_ns - passed_.front().stamp_ns) / 1e9;
-  return way_m_ - way_at_end_m_ >= options_.most_way_m || turn_rad_ - turn_at_end_rad_ >= options_.most_turn_rad ||
-         since_s >= options_.most_s;
-}
+SubmapChain::SubmapChain(VoxelMap& view, const ChainOptions& options, SubmapShelf* shelf)
+    : view_(view), shelf_(shelf), recorder_(view, options), placed_(std::make_unique<PlacedSubmaps>(view.grid())) {}
 
 bool SubmapChain::finish_submap(std::unique_ptr<VoxelMap> space) {
-  if (passed_.empty()) return false;
-  Submap submap;
-  submap.first_ns = passed_.front().stamp_ns;
-  submap.last_ns = passed_.back().stamp_ns;
-  const double middle_m = 0.5 * (way_at_end_m_ + way_m_);
-  const auto anchor =
-      std::find_if(passed_.begin(), passed_.end() - 1, [&](const Passed& p) { return p.way_m >= middle_m; });
-  submap.anchor_ns = anchor->stamp_ns;
-  submap.T_stored_anchor = anchor->T_world_camera;
-  submap.way_m = anchor->way_m;
-  submap.turn_rad = anchor->turn_rad;
-  submap.held_s = anchor->held_s;
-  held_s_ -= anchor->held_s;
-  way_m_ -= anchor->way_m;
-  turn_rad_ -= anchor->turn_rad;
-  way_at_end_m_ = way_m_;
-  turn_at_end_rad_ = turn_rad_;
-  passed_.clear();
+  if (own_stretch_ == nullptr) own_stretch_ = std::make_unique<Stretch>(view_);
+  if (!recorder_.take(*own_stretch_)) return false;
+  add(*own_stretch_, std::move(space));
+  return true;
+}
 
-  submap.voxels = room_for(view_.grid(), changed_slots_.size());
+void SubmapChain::add(Stretch& stretch, std::unique_ptr<VoxelMap> space) {
+  Submap submap;
+  submap.first_ns = stretch.first_ns;
+  submap.last_ns = stretch.last_ns;
+  submap.anchor_ns = stretch.anchor_ns;
+  submap.T_stored_anchor = stretch.T_world_anchor;
+  submap.way_m = stretch.way_m;
+  submap.turn_rad = stretch.turn_rad;
+  submap.held_s = stretch.held_s;
+
+  SubmapContents contents;
+  contents.voxels = map_for_blocks(view_.grid(), stretch.blocks.block_count());
   BlockValues now;
   BlockValues before;
-  for (const std::uint32_t slot : changed_slots_) {
-    is_noted_[slot] = 0;
-    const BlockKey key = view_.header(slot).key;
-    if (!view_.read_stored_block(key, now)) continue;
+  for (const BlockKey key : stretch.blocks.sorted_keys()) {
+    stretch.blocks.read_stored_block(key, now);
     if (read_block(key, before)) {
       for (std::size_t i = 0; i < now.size(); ++i) {
         if (now[i] == before[i]) now[i] = kUnknownRgbo;
       }
     }
     if (!is_known(now)) continue;
-    [[maybe_unused]] const bool fits = submap.voxels->write_block(key, now);
+    [[maybe_unused]] const bool fits = contents.voxels->write_block(key, now);
     assert(fits);
   }
-  changed_slots_.clear();
-  submap.surfaces = pieces_of(surfaces_);
+  contents.surfaces = pieces_of(*stretch.surfaces);
+  contents.space = std::move(space);
+  stretch.clear();
   const auto& at_m = submap.T_stored_anchor.translation_m;
   const align::Vector3f centre_m{static_cast<float>(at_m[0]), static_cast<float>(at_m[1]), static_cast<float>(at_m[2])};
-  submap.stations.push_back({{at_m, {0, 0, 0, 1}}, PlaceSketch(submap.surfaces, centre_m)});
-  surfaces_.clear();
-  submap.space = std::move(space);
+  submap.stations.push_back({{at_m, {0, 0, 0, 1}}, PlaceSketch(contents.surfaces, centre_m)});
+  submap.contents = std::make_unique<ShelvedContents>(std::move(contents), shelf_);
   submaps_.push_back(std::move(submap));
-  placed_->add(*submaps_.back().voxels, submaps_.back().T_world_stored);
-  return true;
+  placed_->add(*submaps_.back().contents, submaps_.back().T_world_stored);
 }
 
 hal::Pose SubmapChain::join(std::size_t index) {
@@ -128,23 +80,26 @@ hal::Pose SubmapChain::join(std::size_t index) {
   const hal::Pose T_one_next = hal::compose(hal::inverse(one.T_world_stored), next.T_world_stored);
   const hal::Pose T_next_one_anchors = hal::compose(hal::inverse(next.T_world_anchor()), one.T_world_anchor());
   PlacedSubmaps both(view_.grid());
-  both.add(*one.voxels, {});
-  both.add(*next.voxels, T_one_next);
-  one.voxels = both.whole();
-
-  align::SurfaceMap surfaces({.slots = kSurfaceSlots});
-  surfaces.add(one.surfaces, {});
-  surfaces.add(next.surfaces, hal::to_transform(T_one_next));
-  one.surfaces = pieces_of(surfaces);
-  if (one.space != nullptr && next.space != nullptr) {
-    const std::array<MergeSource, 2> sources{{{one.space.get(), {}, 0}, {next.space.get(), T_one_next, 1}}};
-    if (auto merged = merge_maps(sources); merged.ok()) one.space = std::move(merged).value();
+  both.add(*one.contents, {});
+  both.add(*next.contents, T_one_next);
+  SubmapContents joined;
+  joined.voxels = both.whole();
+  const SubmapContents& first = one.contents->get();
+  const SubmapContents& second = next.contents->get();
+  align::SurfaceMap surfaces({.slots = kJoinedSurfaceSlots});
+  surfaces.add(first.surfaces, {});
+  surfaces.add(second.surfaces, hal::to_transform(T_one_next));
+  joined.surfaces = pieces_of(surfaces);
+  if (first.space != nullptr && second.space != nullptr) {
+    const std::array<MergeSource, 2> sources{{{first.space.get(), {}, 0}, {second.space.get(), T_one_next, 1}}};
+    if (auto merged = merge_maps(sources); merged.ok()) joined.space = std::move(merged).value();
   }
   for (const Submap::Station& station : next.stations) {
     one.stations.push_back({hal::compose(T_one_next, station.T_stored_station), station.sketch});
   }
   one.last_ns = next.last_ns;
-  placed_->join(index, *one.voxels, one.T_world_stored);
+  one.contents = std::make_unique<ShelvedContents>(std::move(joined), shelf_);
+  placed_->join(index, *one.contents, one.T_world_stored);
   submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(index) + 1);
   return T_next_one_anchors;
 }
@@ -154,14 +109,15 @@ void SubmapChain::place(std::span<const hal::Pose> T_world_stored, std::unique_p
   if (placed == nullptr) placed = std::make_unique<PlacedSubmaps>(view_.grid());
   for (std::size_t i = 0; i < submaps_.size(); ++i) {
     submaps_[i].T_world_stored = T_world_stored[i];
-    if (i >= placed->size()) placed->add(*submaps_[i].voxels, T_world_stored[i]);
+    if (i >= placed->size()) placed->add(*submaps_[i].contents, T_world_stored[i]);
   }
   placed_ = std::move(placed);
 }
 
-void SubmapChain::rebuild() {
-  assert(passed_.empty());
-  const std::vector<BlockKey> keys = placed_->keys();
+void SubmapChain::rebuild(const std::function<bool(RegionKey)>& is_wanted) {
+  assert(recorder_.is_empty());
+  std::vector<BlockKey> keys = placed_->keys();
+  if (is_wanted) std::erase_if(keys, [&](BlockKey key) { return !is_wanted(region_of(key)); });
   BlockValues values;
   for (const BlockKey key : view_.sorted_keys()) {
     if (!std::binary_search(keys.begin(), keys.end(), key)) view_.erase_block(key);
@@ -175,14 +131,39 @@ void SubmapChain::rebuild() {
   }
 }
 
+void SubmapChain::put_away_far(const VoxelIndex& camera, std::int64_t radius_cells) {
+  if (shelf_ == nullptr) return;
+  for (std::size_t i = 0; i < submaps_.size(); ++i) {
+    const bool is_far = placed_->squared_distance_cells(i, camera) > radius_cells * radius_cells;
+    if (is_far) submaps_[i].contents->put_away();
+  }
+}
+
+void SubmapChain::put_away_all_but(std::size_t kept) {
+  if (shelf_ == nullptr || in_memory() <= kept) return;
+  std::vector<ShelvedContents*> used;
+  for (const Submap& submap : submaps_) {
+    if (submap.contents->is_in_memory()) used.push_back(submap.contents.get());
+  }
+  std::sort(used.begin(), used.end(),
+            [](const ShelvedContents* a, const ShelvedContents* b) { return a->last_use() > b->last_use(); });
+  for (std::size_t i = kept; i < used.size(); ++i) used[i]->put_away();
+}
+
+std::size_t SubmapChain::in_memory() const {
+  return static_cast<std::size_t>(std::count_if(submaps_.begin(), submaps_.end(),
+                                                [](const Submap& submap) { return submap.contents->is_in_memory(); }));
+}
+
 Surroundings SubmapChain::surroundings(std::size_t first, std::size_t end, std::size_t at) const {
   Surroundings result;
   std::vector<MergeSource> sources;
   const hal::Pose T_anchor_world = hal::inverse(submaps_[at].T_world_anchor());
   for (std::size_t i = first; i < end; ++i) {
-    if (submaps_[i].space != nullptr) sources.push_back({submaps_[i].space.get(), submaps_[i].T_world_stored, i});
+    const SubmapContents& contents = submaps_[i].contents->get();
+    if (contents.space != nullptr) sources.push_back({contents.space.get(), submaps_[i].T_world_stored, i});
     const hal::RigidTransform T = hal::to_transform(hal::compose(T_anchor_world, submaps_[i].T_world_stored));
-    for (align::DepthSample sample : submaps_[i].surfaces) {
+    for (align::DepthSample sample : contents.surfaces) {
       sample.point_m = align::transformed(T, sample.point_m);
       sample.normal = align::rotated(T, sample.normal);
       result.surfaces.push_back(sample);
@@ -206,9 +187,7 @@ hal::Pose SubmapChain::correction_at(hal::TimeNs stamp_ns) const {
 std::uint64_t SubmapChain::memory_bytes() const {
   std::uint64_t bytes = placed_->memory_bytes();
   for (const Submap& submap : submaps_) {
-    bytes += submap.voxels->memory().used_bytes + submap.surfaces.size() * sizeof(align::DepthSample) +
-             submap.stations.size() * sizeof(Submap::Station) +
-             (submap.space != nullptr ? submap.space->memory().used_bytes : 0);
+    bytes += submap.contents->memory_bytes() + submap.stations.size() * sizeof(Submap::Station);
   }
   return bytes;
 }

@@ -5,28 +5,24 @@
 // Frames go into one map, the view, as if there were no submaps. When the robot has gone some metres, what has changed
 // since is kept as a submap: the voxels whose codes are not what the submaps before say. So the newest submap that
 // knows a voxel says what it is, and as long as no pose is corrected the chain is the view, to the bit. After a
-// correction rebuild() makes the view anew. Thread: the one that maps. Allocates when a submap is finished.
+// correction rebuild() makes the view anew. With a shelf, what is far lies on disk. Thread: the one that maps; what a
+// StretchRecorder has taken may be added from another one, which then has the chain to itself. Allocates.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "hal/geometry.hpp"
 #include "hal/messages.hpp"
-#include "mapper/align/surface_map.hpp"
 #include "mapper/submaps/place_sketch.hpp"
 #include "mapper/submaps/placed_submaps.hpp"
+#include "mapper/submaps/stretch_recorder.hpp"
 #include "mapper/voxel_map.hpp"
 
 namespace g3d::mapper::submaps {
-
-struct ChainOptions {
-  double most_way_m = 4.0;  ///< a submap is finished after so much driving ...
-  double most_turn_rad = 6.3;
-  double most_s = 30.0;  ///< ... or time
-};
 
 struct Submap {
   hal::TimeNs first_ns = 0;
@@ -38,13 +34,11 @@ struct Submap {
     hal::Pose T_stored_station;  ///< upright
     PlaceSketch sketch;          ///< in its frame
   };
-  std::vector<Station> stations;             ///< where the camera was half-way, of all that it was made of
-  double way_m = 0.0;                        ///< from the anchor before to this one
-  double turn_rad = 0.0;                     ///< the same, all turns added up
-  double held_s = 0.0;                       ///< the same, time in which odometry alone knew the way
-  std::unique_ptr<VoxelMap> voxels;          ///< stored codes
-  std::vector<align::DepthSample> surfaces;  ///< all that its frames have shown, in the frame of its voxels
-  std::unique_ptr<VoxelMap> space;           ///< the same, coarse, may be nullptr
+  std::vector<Station> stations;              ///< where the camera was half-way, of all that it was made of
+  double way_m = 0.0;                         ///< from the anchor before to this one
+  double turn_rad = 0.0;                      ///< the same, all turns added up
+  double held_s = 0.0;                        ///< the same, time in which odometry alone knew the way
+  std::unique_ptr<ShelvedContents> contents;  ///< voxels, surfaces, space
 
   [[nodiscard]] hal::Pose T_world_anchor() const { return hal::compose(T_world_stored, T_stored_anchor); }
 };
@@ -56,16 +50,22 @@ struct Surroundings {
 
 class SubmapChain {
  public:
-  /// `view`: the map that frames go into, empty or with what is known from the start; outlives the chain.
-  SubmapChain(VoxelMap& view, const ChainOptions& options = {});
+  /// `view`: the map that frames go into, empty or with what is known from the start; outlives the chain. So does
+  /// `shelf`, if there is one.
+  SubmapChain(VoxelMap& view, const ChainOptions& options = {}, SubmapShelf* shelf = nullptr);
 
-  /// After every frame, with the slots of the view that it has changed. True: time to finish the submap.
-  /// `samples`: the surfaces that it shows, camera frame. `is_held`: its step is odometry's, at least in part.
+  /// As StretchRecorder::add_frame(). True: time to finish the submap.
   bool add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera, std::span<const std::uint32_t> changed_slots,
-                 std::span<const align::DepthSample> samples = {}, bool is_held = false);
+                 std::span<const align::DepthSample> samples = {}, bool is_held = false) {
+    return recorder_.add_frame(stamp_ns, T_world_camera, changed_slots, samples, is_held);
+  }
   /// Keeps what has changed; `space` is what the same frames have said about space, if anybody asks for surroundings.
   /// False if there was no frame since the last one.
   bool finish_submap(std::unique_ptr<VoxelMap> space = nullptr);
+  /// The two parts of that: the recorder is the view's writer's, and a stretch that it has taken becomes a submap by
+  /// add(), which clears it.
+  [[nodiscard]] StretchRecorder& recorder() { return recorder_; }
+  void add(Stretch& stretch, std::unique_ptr<VoxelMap> space = nullptr);
 
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   /// One of them and the next become one, which stands where the first did; the next goes on standing to it as it does.
@@ -75,12 +75,19 @@ class SubmapChain {
   /// these poses, if somebody has them already.
   void place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed = nullptr);
   [[nodiscard]] const VoxelMap& view() const { return view_; }
-  /// The view from the submaps alone: only after finish_submap() and before the next frame.
-  void rebuild();
+  /// The view from the submaps alone: only after finish_submap() and before the next frame. `is_wanted`: of regions;
+  /// the view is empty in the others.
+  void rebuild(const std::function<bool(RegionKey)>& is_wanted = {});
   /// One block of it, stored codes. False if no submap knows any voxel of it.
   bool read_block(BlockKey key, BlockValues& out) { return placed_->read_block(key, out); }
   /// All of them where they stand.
   [[nodiscard]] const PlacedSubmaps& placed() const { return *placed_; }
+  /// Contents of submaps that are nowhere near go to the shelf, if there is one: all that have nothing within
+  /// `radius_cells` of `camera`.
+  void put_away_far(const VoxelIndex& camera, std::int64_t radius_cells);
+  /// Those that were used last stay in memory, so many of them.
+  void put_away_all_but(std::size_t kept);
+  [[nodiscard]] std::size_t in_memory() const;
   /// What the frames of a part of the chain have shown, in the frame of one anchor.
   [[nodiscard]] Surroundings surroundings(std::size_t first, std::size_t end, std::size_t at) const;
 
@@ -91,33 +98,13 @@ class SubmapChain {
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
 
  private:
-  void note(std::uint32_t slot);
-
-  struct Passed {
-    hal::TimeNs stamp_ns;
-    hal::Pose T_world_camera;
-    double way_m;
-    double turn_rad;
-    double held_s;
-  };
-
   VoxelMap& view_;
-  ChainOptions options_;
+  SubmapShelf* shelf_;
+  StretchRecorder recorder_;
+  std::unique_ptr<Stretch> own_stretch_;  ///< of finish_submap()
   std::vector<Submap> submaps_;
   std::unique_ptr<PlacedSubmaps> placed_;
-  std::vector<std::uint32_t> changed_slots_;
-  std::vector<std::uint8_t> is_noted_;  ///< by slot
-  align::SurfaceMap surfaces_;          ///< since the last submap
-  bool has_begun_ = false;
-  std::vector<Passed> passed_;  ///< frames since the last submap
-  hal::Pose last_camera_;
-  double way_m_ = 0.0;  ///< since the last anchor
-  double turn_rad_ = 0.0;
-  double held_s_ = 0.0;
-  hal::TimeNs last_ns_ = 0;
   std::uint64_t refused_blocks_ = 0;
-  double way_at_end_m_ = 0.0;  ///< when the last submap was finished
-  double turn_at_end_rad_ = 0.0;
 };
 
 }  // namespace g3d::mapper::submaps

@@ -2,6 +2,7 @@
 #include "mapper/submaps/view_move.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -52,19 +53,20 @@ void ViewMove::write_next() {
   changed_slots_.push_back(view_.find(key));
 }
 
-std::span<const std::uint32_t> ViewMove::go_on(std::size_t most_blocks) {
+std::span<const std::uint32_t> ViewMove::go_on() {
   changed_slots_.clear();
-  if (is_done()) return changed_slots_;
   const bool erases = next_gone_ < gone_.size();
-  for (std::size_t i = 0; i < most_blocks; ++i) {
+  for (std::size_t i = 0; i < most_blocks_; ++i) {
     if (erases ? next_gone_ == gone_.size() : next_there_ == there_.size()) break;
     erases ? erase_next() : write_next();
   }
-  if (next_gone_ == gone_.size() && next_there_ == there_.size()) {
-    chain_ = nullptr;
-    whole_.reset();
-  }
   return changed_slots_;
+}
+
+void ViewMove::end() {
+  assert(is_done());
+  chain_ = nullptr;
+  whole_.reset();
 }
 
 }  // namespace g3d::mapper::submaps

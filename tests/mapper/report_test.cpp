@@ -67,6 +67,9 @@ TEST_CASE("what was paged out stands in the report only if there was a window", 
                                        .blocks_out = 500,
                                        .blocks_in = 400,
                                        .regions_on_disk = 1,
+                                       .submaps_out = 14,
+                                       .submaps_in = 13,
+                                       .submaps_on_disk = 12,
                                        .late_regions = 2,
                                        .failed_stores = 3,
                                        .failed_loads = 6,
@@ -75,5 +78,6 @@ TEST_CASE("what was paged out stands in the report only if there was a window", 
                  "\"window\": {\n      \"radius_m\": 12.346,\n      \"smallest_radius_m\": 8,\n"
                  "      \"regions_out\": 5,\n      \"regions_in\": 4,\n      \"blocks_out\": 500,\n"
                  "      \"blocks_in\": 400,\n      \"regions_on_disk\": 1,\n      \"late_regions\": 2,\n"
+                 "      \"submaps_out\": 14,\n      \"submaps_in\": 13,\n      \"submaps_on_disk\": 12,\n"
                  "      \"failed_stores\": 3,\n      \"failed_loads\": 6,\n      \"page_file_bytes\": 777\n"));
 }

@@ -14,8 +14,11 @@
 #include "mapper/pipeline.hpp"
 #include "mapper/rolling_window.hpp"
 #include "mapper/run_sink.hpp"
+#include "mapper/submaps/driving_loops.hpp"
+#include "mapper/submaps/stretch_recorder.hpp"
 #include "tests/support/corridor_walk.hpp"
 #include "tests/support/log_folder.hpp"
+#include "tests/support/looped_drive.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace {
@@ -139,6 +142,38 @@ TEST_CASE("aligning a drifting drive allocates nothing after the start", "[syste
   CHECK(aligner.report().corrected() > 25);
 }
 
+TEST_CASE("submaps and loops allocate nothing in the thread that maps, moves of the map included",
+          "[system][allocation]") {
+  const test::DriveTwice twice = test::twice_through_a_room();
+  const std::vector<hal::StampedPose> odometry = hal::drifted(twice.truth(), hal::robot_drift(3));
+  mapper::Mapper mapper(test::looped_drive_config(), twice.work.camera);
+  mapper::align::AlignOptions align;
+  align.least_matched = 2.0;  // no frame ever matches so much: poses are odometry's, and there is something to correct
+  mapper::align::Aligner aligner(align, twice.work.camera);
+  mapper::submaps::DrivingOptions options;
+  options.is_lockstep = true;
+  options.answer_after_ns = 500'000'000;
+  mapper::submaps::DrivingLoops loops(mapper.map(), twice.work.camera, options);
+  int moved = 0;
+  allocations.store(0);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    const hal::Frame& frame = twice.work.frames[i].frame;
+    const mapper::align::AlignResult placed = aligner.align(frame, odometry[i].T_world_camera);
+    (void)mapper.integrate(frame, placed.T_world_camera);
+    this_thread_armed = true;
+    loops.add(frame, placed, aligner.samples(), mapper.changed_slots());
+    loops.wait_if_due(frame.stamp_ns);
+    if (loops.begins_to_move(frame.stamp_ns)) ++moved;
+    while (loops.is_moving()) {
+      loops.wait_if_due(frame.stamp_ns);
+      (void)loops.move_on();
+    }
+    this_thread_armed = false;
+  }
+  CHECK(moved > 0);
+  CHECK(allocations.load() == 0);
+}
+
 TEST_CASE("mapping a recording with PNG images allocates nothing after the start", "[system][allocation]") {
   const test::TempFolder folder;
   test::write_log(folder.path(), {.frames = 30});
@@ -172,4 +207,29 @@ TEST_CASE("a rolling window allocates nothing in the mapper's thread", "[system]
   window.finish();
   CHECK(window.counts().regions_out > 10);
   CHECK(window.counts().regions_in > 10);
+}
+
+TEST_CASE("recording what becomes a submap allocates nothing, however many frames it has", "[system][allocation]") {
+  mapper::VoxelMap view(mapper::Grid{}, {256, 256, 256});
+  mapper::submaps::StretchRecorder recorder(view, {});
+  mapper::submaps::Stretch stretch(view);
+  const std::vector<mapper::align::DepthSample> samples(20, {{0.1F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F}, 1.0F});
+  mapper::BlockValues values;
+  values.fill(20);
+  std::vector<std::uint32_t> slots;
+  for (int i = 0; i < 200; ++i) {
+    const mapper::BlockKey key = mapper::block_of({32768 + 8 * i, 32768, 32768});
+    REQUIRE(view.write_block(key, values));
+    slots.push_back(view.find(key));
+  }
+  allocations.store(0);
+  this_thread_armed = true;
+  for (int i = 0; i < 20'000; ++i) {
+    recorder.add_frame(i, hal::from_xyz_rpy(0.001 * i, 0, 0, 0, 0, 0), slots, samples, false);
+  }
+  const bool is_taken = recorder.take(stretch);
+  stretch.clear();
+  this_thread_armed = false;
+  CHECK(is_taken);
+  CHECK(allocations.load() == 0);
 }

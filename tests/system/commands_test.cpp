@@ -210,7 +210,6 @@ TEST_CASE("what robots cannot do is bad usage, and says which option and how", "
 TEST_CASE("what does not go with correcting the whole map is refused, and nothing is made", "[system][usage]") {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--loops"}, "add --odometry aligned"},
-      {{"--odometry", "aligned", "--loops", "--window", "5"}, "does not go with --window"},
       {{"--odometry", "aligned", "--loops", "--checkpoint", "5"}, "does not go with --checkpoint"},
       {{"--odometry", "aligned", "--loops", "--mapper", "cuda"}, "does not go with --mapper cuda"},
   };

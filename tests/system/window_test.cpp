@@ -53,3 +53,37 @@ TEST_CASE("a map that fits at the end is written in every format", "[system][win
     CHECK(std::filesystem::file_size(out + "/" + name) > 0);
   }
 }
+
+TEST_CASE("a map that loops correct is the same with a window, and submaps that are far lie on disk",
+          "[system][window][align]") {
+  const TempFolder folder;
+  const auto fly_on = [&](const std::string& name, const std::vector<std::string>& extra) {
+    // A lap takes a minute: it comes back to where it began, and the whole map is put right.
+    std::vector<std::string> arguments{"sim",   "--world", "corridor",   "--laps", "2",
+                                       "--fps", "1.25",    "--duration", "69"};
+    arguments.insert(arguments.end(), {"--seed", "5", "--drift", "1", "--odometry", "aligned", "--loops"});
+    arguments.insert(arguments.end(), {"--resolution", "0.1", "--no-colour", "--no-noise", "--quiet", "--out"});
+    arguments.push_back(folder / name);
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    const ProgramResult result = run_g3dmap(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    return folder / name;
+  };
+  const std::string plenty = fly_on("plenty", {});
+  const std::string paged = fly_on("paged", {"--window", "6"});
+  const auto number = [&](const std::string& name) { return report_number(paged + "/report.json", name); };
+  CHECK(number("corrections") > 0);
+  CHECK(report_text(paged + "/report.json", "hash") == report_text(plenty + "/report.json", "hash"));
+  CHECK(read_plain(paged + "/map.g3d") == read_plain(plenty + "/map.g3d"));
+  CHECK(read_plain(paged + "/trajectory.tum") == read_plain(plenty + "/trajectory.tum"));
+  CHECK(number("regions_out") > 0);
+  CHECK(number("regions_in") > 0);
+  CHECK(number("submaps_out") > 0);
+  CHECK(number("submaps_in") > 0);
+  CHECK(number("page_file_bytes") > 0);
+  CHECK(number("refused_blocks") == 0);
+  CHECK(number("failed_stores") + number("failed_loads") == 0);
+  CHECK(read_plain(plenty + "/report.json").find("submaps_out") == std::string::npos);
+  CHECK(std::filesystem::file_size(paged + "/map.bt") == std::filesystem::file_size(plenty + "/map.bt"));
+}

@@ -24,7 +24,7 @@ std::vector<Submap> row(std::size_t count) {
 
 std::string hash_of(const SubmapChain& chain) {
   PlacedSubmaps placed(chain.view().grid());
-  for (const Submap& submap : chain.submaps()) placed.add(*submap.voxels, submap.T_world_stored);
+  for (const Submap& submap : chain.submaps()) placed.add(*submap.contents, submap.T_world_stored);
   return map_hash(*placed.whole());
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/looped_map.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
 #include "tests/support/looped_drive.hpp"
+#include "tests/support/memory_page_file.hpp"
 #include "tests/support/trajectory_error.hpp"
 
 using namespace g3d;
@@ -20,16 +22,24 @@ struct Run {
   std::vector<hal::StampedPose> corrected;
   CloserReport report;
   int corrections = 0;
+  std::string hash;  ///< of all of the map
+  std::uint32_t most_blocks = 0;
+  ViewWindowCounts window;
+  ShelfCounts shelf;
 };
 
-Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const LoopedOptions& options) {
+Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const LoopedOptions& options,
+        std::unique_ptr<PageFile> pages = nullptr) {
   const std::vector<hal::StampedPose> odometry = hal::drifted(twice.truth(), drift);
-  Run r{std::make_unique<Mapper>(test::looped_drive_config(), twice.work.camera), {}, {}, {}, 0};
-  LoopedMap looped(r.mapper->map(), twice.work.camera, options);
+  Run r;
+  r.mapper = std::make_unique<Mapper>(test::looped_drive_config(), twice.work.camera);
+  LoopedMap looped(r.mapper->map(), twice.work.camera, options, std::move(pages));
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     const hal::Frame& frame = twice.work.frames[i].frame;
     const hal::Pose pose = looped.align(frame, odometry[i].T_world_camera).T_world_camera;
+    looped.prepare();
     (void)r.mapper->integrate(frame, pose);
+    r.most_blocks = std::max(r.most_blocks, r.mapper->map().block_count());
     r.live.push_back({frame.stamp_ns, pose});
     r.corrections += looped.add(frame, r.mapper->changed_slots()) ? 1 : 0;
   }
@@ -38,6 +48,11 @@ Run run(const test::DriveTwice& twice, const hal::PoseDrift& drift, const Looped
     r.corrected.push_back({pose.stamp_ns, looped.corrected(pose.stamp_ns, pose.T_world_camera)});
   }
   r.report = looped.report();
+  r.hash = looped.is_windowed() ? map_hash(looped.whole_map()) : map_hash(r.mapper->map());
+  if (looped.is_windowed()) {
+    r.window = looped.window().counts();
+    r.shelf = looped.shelf().counts();
+  }
   return r;
 }
 
@@ -54,6 +69,35 @@ TEST_CASE("a corridor that is gone round twice is put right by its loops", "[slo
   const double live_m = test::trajectory_error(twice.truth(), a.live).ate_m;
   const double corrected_m = test::trajectory_error(twice.truth(), a.corrected).ate_m;
   CHECK(corrected_m < 0.6 * live_m);
+}
+
+TEST_CASE("a map with a window around the camera is corrected as one without, to the bit", "[slow][window]") {
+  test::DriveTwice twice = test::twice_through("corridor", 300);
+  twice.work.frames.resize(325);  // round once, and past where it began
+  LoopedOptions options;
+  options.window.near_m = test::looped_drive_config().near_m;
+  options.window.far_m = test::looped_drive_config().far_m;
+  options.window.radius_m = 0.0;  // as small as can be
+  const Run plain = run(twice, hal::robot_drift(2), options);
+  const Run paged = run(twice, hal::robot_drift(2), options, std::make_unique<tests::MemoryPageFile>());
+  REQUIRE(plain.corrections > 0);
+  CHECK(paged.corrections == plain.corrections);
+  CHECK(paged.report.loops == plain.report.loops);
+  CHECK(paged.hash == plain.hash);
+  REQUIRE(paged.live.size() == plain.live.size());
+  const auto is_at = [](const hal::StampedPose& a, const hal::StampedPose& b) {
+    return a.T_world_camera.translation_m == b.T_world_camera.translation_m &&
+           a.T_world_camera.rotation_xyzw == b.T_world_camera.rotation_xyzw;
+  };
+  CHECK(std::equal(paged.live.begin(), paged.live.end(), plain.live.begin(), is_at));
+  CHECK(std::equal(paged.corrected.begin(), paged.corrected.end(), plain.corrected.begin(), is_at));
+  CHECK(paged.report.refused_blocks == 0);
+  CHECK(paged.most_blocks < plain.most_blocks * 2 / 3);
+  CHECK(paged.window.regions_out > 10);
+  CHECK(paged.window.regions_in > 10);
+  CHECK(paged.shelf.put_away > 5);
+  CHECK(paged.shelf.fetched > 5);
+  CHECK(paged.shelf.failed_stores + paged.shelf.failed_loads == 0);
 }
 
 TEST_CASE("the same frames and poses are corrected to the same map each time", "[slow]") {

@@ -58,7 +58,8 @@ TEST_CASE("as long as no pose is corrected the chain is the view, to the bit", "
   chain.rebuild();
   CHECK(map_hash(mapper.map()) == before);
   // What is seen again and stays as it is takes no room in a later submap.
-  CHECK(chain.submaps().back().voxels->counts().known() < chain.submaps().front().voxels->counts().known());
+  CHECK(chain.submaps().back().contents->get().voxels->counts().known() <
+        chain.submaps().front().contents->get().voxels->counts().known());
   double way_m = 0.0;
   for (const Submap& submap : chain.submaps()) {
     CHECK(submap.first_ns <= submap.last_ns);
@@ -103,7 +104,7 @@ TEST_CASE("a submap that is moved takes its voxels with it, and the newest that 
   // A third one begins in the corrected view, and holds what it changes there.
   chain.add_frame(4, {}, std::array{write(wall, 2)});
   REQUIRE(chain.finish_submap());
-  CHECK(chain.submaps()[2].voxels->counts().known() == 1);
+  CHECK(chain.submaps()[2].contents->get().voxels->counts().known() == 1);
   const std::string hash = map_hash(view);
   chain.rebuild();
   CHECK(map_hash(view) == hash);

@@ -43,10 +43,14 @@ struct Moved {
     }
   }
   /// All but the newest, as a search answers.
-  MovedSubmaps answer() {
-    MovedSubmaps moved;
+  struct Answer {
+    std::unique_ptr<PlacedSubmaps> placed;
+    std::unique_ptr<VoxelMap> whole;
+  };
+  Answer answer() {
+    Answer moved;
     moved.placed = std::make_unique<PlacedSubmaps>(view.grid());
-    for (std::size_t i = 0; i < 2; ++i) moved.placed->add(*chain.submaps()[i].voxels, poses[i]);
+    for (std::size_t i = 0; i < 2; ++i) moved.placed->add(*chain.submaps()[i].contents, poses[i]);
     moved.whole = moved.placed->whole();
     return moved;
   }
@@ -61,9 +65,9 @@ TEST_CASE("a view that is moved part by part is the one that is made anew") {
 
   Moved by_parts;
   const std::string before = map_hash(by_parts.view);
-  MovedSubmaps answer = by_parts.answer();
+  Moved::Answer answer = by_parts.answer();
   by_parts.chain.place(by_parts.poses, std::move(answer.placed));
-  ViewMove move(by_parts.view);
+  ViewMove move(by_parts.view, 20);
   CHECK(move.is_done());
   move.begin(by_parts.chain, std::move(answer.whole), 1);
   // Somebody who follows the view by its slots alone.
@@ -75,7 +79,7 @@ TEST_CASE("a view that is moved part by part is the one that is made anew") {
   }
   int parts = 0;
   while (!move.is_done()) {
-    const auto slots = move.go_on(20);
+    const auto slots = move.go_on();
     CHECK(slots.size() <= 20);
     CHECK(std::set<std::uint32_t>(slots.begin(), slots.end()).size() == slots.size());
     for (const std::uint32_t slot : slots) {
@@ -93,15 +97,15 @@ TEST_CASE("a view that is moved part by part is the one that is made anew") {
   for (const BlockKey key : by_parts.view.sorted_keys()) CHECK(known.count(key) == 1);
   known.erase(VoxelMap::kNoKey);
   for (const BlockKey key : known) CHECK(by_parts.view.find(key) != kNoSlot);
-  CHECK(move.go_on(20).empty());
+  CHECK(move.go_on().empty());
 }
 
 TEST_CASE("what stands where it stood is not touched") {
   Moved m;
   m.poses = {};
-  MovedSubmaps answer = m.answer();
+  Moved::Answer answer = m.answer();
   m.chain.place(m.poses, std::move(answer.placed));
-  ViewMove move(m.view);
+  ViewMove move(m.view, 50);
   move.begin(m.chain, std::move(answer.whole), 1);
-  while (!move.is_done()) CHECK(move.go_on(50).empty());
+  while (!move.is_done()) CHECK(move.go_on().empty());
 }
