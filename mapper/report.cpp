@@ -60,6 +60,9 @@ void write_alignment(JsonWriter& json, const AlignmentReport& alignment) {
       .member("correction_rms_m", rounded_um(counts.shift_rms_m()));
   json.member("correction_max_rad", rounded_um(counts.largest_turn_rad))
       .member("correction_rms_rad", rounded_um(counts.turn_rms_rad()));
+  json.key("learnt").begin_object().member("turn_radps", rounded_um(counts.learnt_turn_radps));
+  json.member("stretch", rounded_um(counts.learnt_stretch));
+  json.member("turn_noise_scale", rounded_um(counts.turn_noise_scale)).end_object();
   json.member("surface_pieces", counts.surface_pieces).member("refused_samples", counts.refused_samples);
   json.member("forgotten_pieces", counts.forgotten_pieces);
   json.end_object();

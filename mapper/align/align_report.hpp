@@ -46,6 +46,10 @@ struct AlignReport {
   std::uint64_t surface_pieces = 0;
   std::uint64_t refused_samples = 0;   ///< the table of surfaces was full
   std::uint64_t forgotten_pieces = 0;  ///< to make room for others
+  // What was learnt of a base, by the last frame: see OdometryHabits and OdometryTrust
+  double learnt_turn_radps = 0.0;
+  double learnt_stretch = 0.0;
+  double turn_noise_scale = 1.0;  ///< of the variance that its turns are taken to have
 
   void count(AlignOutcome outcome, const Vector6& correction, bool holds_shift, bool holds_turn);
   [[nodiscard]] std::uint64_t corrected() const;

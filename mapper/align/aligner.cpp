@@ -170,6 +170,9 @@ AlignResult Aligner::align(const hal::Frame& frame, const hal::Pose& T_odometry_
   add_samples(frame, result.T_world_camera, space);
   report_.surface_pieces = surfaces_.piece_count();
   report_.refused_samples = surfaces_.refused();
+  report_.learnt_turn_radps = habits_.turn_radps();
+  report_.learnt_stretch = habits_.stretch();
+  if (learns_trust) report_.turn_noise_scale = trust_.turn_scale();
   last_odometry_ = T_odometry_camera;
   last_pose_ = result.T_world_camera;
   last_stamp_ns_ = frame.stamp_ns;
