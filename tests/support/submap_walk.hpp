@@ -31,7 +31,7 @@ struct SubmapWalk {
   }
   /// True: it has ended a submap.
   bool step(const hal::Pose& pose) {
-    frame.stamp_ns = 100'000'000 * ++steps;
+    frame.stamp_ns = hal::TimeNs{100'000'000} * ++steps;
     walk.draw(pose, frame);
     if (window) window->prepare(pose);
     const mapper::FrameReport report = mapper.integrate(frame, pose);

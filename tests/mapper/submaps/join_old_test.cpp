@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/join_old.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "mapper/align/pose_step.hpp"
 #include "mapper/map_hash.hpp"
 #include "tests/support/looped_drive.hpp"
+#include "tests/support/memory_page_file.hpp"
 
 using namespace g3d;
 using namespace g3d::mapper;
@@ -65,4 +67,33 @@ TEST_CASE("joined submaps say what they said one by one, and are bounded in numb
   CHECK(closer.report().joined > 0);
   CHECK(drive.chain().submaps().front().stations.size() > 1);
   CHECK(most_bytes > 0);
+}
+
+TEST_CASE("submaps that lie on the shelf are joined as those in memory, and their records go") {
+  const auto joined = [](SubmapShelf* shelf) {
+    VoxelMap view(Grid{0.05F}, {256, 256, 256});
+    SubmapChain chain(view, {}, shelf);
+    LoopCloser closer;
+    BlockValues values;
+    for (int i = 0; i < 6; ++i) {
+      values.fill(static_cast<Rgbo>(20 + i));
+      values[static_cast<std::size_t>(i)] = 4;
+      const BlockKey key = block_of({32768 + 4 * i, 32768, 32768});
+      REQUIRE(view.write_block(key, values));
+      chain.add_frame(i, hal::from_xyz_rpy(0.2 * i, 0, 0, 0, 0, 0), std::array{view.find(key)});
+      REQUIRE(chain.finish_submap());
+      closer.add_following(chain);
+    }
+    chain.put_away_all_but(0);
+    if (shelf != nullptr) REQUIRE(shelf->size() == 6);
+    join_old(chain, closer, {.most_submaps = 3, .newest = 1});
+    REQUIRE(chain.submaps().size() == 3);
+    chain.put_away_all_but(0);
+    if (shelf != nullptr) CHECK(shelf->size() == 3);
+    return hash_of(chain);
+  };
+  SubmapShelf shelf(std::make_unique<tests::MemoryPageFile>());
+  CHECK(joined(&shelf) == joined(nullptr));
+  CHECK(shelf.size() == 0);
+  CHECK(shelf.counts().failed_loads == 0);
 }

@@ -7,6 +7,7 @@
 
 #include "mapper/map_hash.hpp"
 #include "mapper/mapper.hpp"
+#include "tests/support/memory_page_file.hpp"
 #include "tests/support/test_frames.hpp"
 #include "tests/support/workload.hpp"
 
@@ -203,4 +204,68 @@ TEST_CASE("time in which odometry alone knew the way is counted from anchor to a
   chain.add_frame(3 * kSecond, at(3), {});
   REQUIRE(chain.finish_submap());
   CHECK(chain.submaps()[1].held_s == Approx(1.0));
+}
+
+namespace {
+
+/// Six submaps of one block each, four metres apart along x.
+struct Row {
+  SubmapShelf shelf{std::make_unique<tests::MemoryPageFile>()};
+  VoxelMap view{Grid{0.05F}, {64, 64, 64}};
+  SubmapChain chain{view, {}, &shelf};
+
+  static VoxelIndex place(int i) { return {32768 + 80 * i, 32768, 32768}; }
+  Row() {
+    BlockValues values;
+    for (int i = 0; i < 6; ++i) {
+      values.fill(static_cast<Rgbo>(20 + i));
+      REQUIRE(view.write_block(block_of(place(i)), values));
+      chain.add_frame(i, {}, std::array{view.find(block_of(place(i)))});
+      REQUIRE(chain.finish_submap());
+    }
+  }
+  [[nodiscard]] std::vector<bool> in_memory() const {
+    std::vector<bool> are;
+    for (const Submap& submap : chain.submaps()) are.push_back(submap.contents->is_in_memory());
+    return are;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("submaps that have nothing near the camera go to the shelf, and come back when asked") {
+  Row row;
+  CHECK(row.chain.in_memory() == 6);
+  const std::uint64_t all_bytes = row.chain.memory_bytes();
+  // Regions are 3.2 m long: from the third submap's to those beside it.
+  row.chain.put_away_far(Row::place(2), 80);
+  CHECK(row.in_memory() == std::vector<bool>{false, true, true, true, false, false});
+  CHECK(row.chain.in_memory() == 3);
+  CHECK(row.chain.memory_bytes() < all_bytes);
+  CHECK(hash_of(row.chain, row.view) == map_hash(row.view));
+  CHECK(row.chain.in_memory() == 6);
+}
+
+TEST_CASE("of submaps in memory those stay that were used last") {
+  Row row;
+  BlockValues values;
+  for (const int i : {5, 0, 3}) REQUIRE(row.chain.read_block(block_of(Row::place(i)), values));
+  row.chain.put_away_all_but(6);
+  CHECK(row.chain.in_memory() == 6);
+  row.chain.put_away_all_but(2);
+  CHECK(row.in_memory() == std::vector<bool>{true, false, false, true, false, false});
+  row.chain.put_away_all_but(0);
+  CHECK(row.chain.in_memory() == 0);
+  CHECK(row.shelf.counts().put_away == 6);
+}
+
+TEST_CASE("only the regions that somebody wants are made anew") {
+  Row row;
+  row.chain.put_away_all_but(0);
+  const auto is_wanted = [](RegionKey region) { return region == region_of(Row::place(1)); };
+  row.chain.place(std::vector<hal::Pose>(6, hal::from_xyz_rpy(-4.0, 0.0, 0.0, 0.0, 0.0, 0.0)));
+  row.chain.rebuild(is_wanted);
+  CHECK(row.view.block_count() == 1);
+  CHECK(level_of(row.view.at(Row::place(1))) == 22);
+  CHECK(row.chain.in_memory() == 1);  // no other was needed for it
 }
