@@ -6,37 +6,36 @@
 namespace g3d {
 namespace {
 
-mapper::PagingReport paging_report(mapper::RollingWindow& window) {
-  const mapper::WindowCounts& counts = window.counts();
+/// What both kinds of window count; `disk`: who counts what failed there.
+template <typename Window, typename Disk>
+mapper::PagingReport paging_report(const Window& window, const Disk& disk, std::uint64_t file_bytes) {
+  const auto& counts = window.counts();
   return {.radius_m = window.full_radius_m(),
           .smallest_radius_m = counts.smallest_radius_m,
           .regions_out = counts.regions_out,
           .regions_in = counts.regions_in,
           .blocks_out = counts.blocks_out,
           .blocks_in = counts.blocks_in,
-          .regions_on_disk = window.store().region_count(),
-          .late_regions = counts.late_regions,
-          .failed_stores = counts.failed_stores,
-          .failed_loads = counts.failed_loads,
-          .page_file_bytes = window.store().file_bytes()};
+          .failed_stores = disk.failed_stores,
+          .failed_loads = disk.failed_loads,
+          .page_file_bytes = file_bytes};
+}
+
+mapper::PagingReport paging_report(mapper::RollingWindow& window) {
+  auto report = paging_report(window, window.counts(), window.store().file_bytes());
+  report.regions_on_disk = window.store().region_count();
+  report.late_regions = window.counts().late_regions;
+  return report;
 }
 
 mapper::PagingReport paging_report(mapper::submaps::LoopedMap& looped) {
-  const mapper::submaps::ViewWindowCounts& counts = looped.window().counts();
   const mapper::submaps::ShelfCounts& shelf = looped.shelf().counts();
-  return {.radius_m = looped.window().full_radius_m(),
-          .smallest_radius_m = counts.smallest_radius_m,
-          .regions_out = counts.regions_out,
-          .regions_in = counts.regions_in,
-          .blocks_out = counts.blocks_out,
-          .blocks_in = counts.blocks_in,
-          .regions_on_disk = looped.window().out_count(),
-          .submaps_out = shelf.put_away,
-          .submaps_in = shelf.fetched,
-          .submaps_on_disk = looped.chain().submaps().size() - looped.chain().in_memory(),
-          .failed_stores = shelf.failed_stores,
-          .failed_loads = shelf.failed_loads,
-          .page_file_bytes = looped.shelf().file_bytes()};
+  auto report = paging_report(looped.window(), shelf, looped.shelf().file_bytes());
+  report.regions_on_disk = looped.window().out_count();
+  report.submaps_out = shelf.put_away;
+  report.submaps_in = shelf.fetched;
+  report.submaps_on_disk = looped.chain().submaps().size() - looped.chain().in_memory();
+  return report;
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ struct PipelineConfig {
   /// Corrects every pose before its frame is integrated: in the pose thread, or in the mapper's if a card does it.
   align::Aligner* aligner = nullptr;
   /// Instead of an aligner and a window: the same in the mapper's thread, and the whole map is corrected now and then.
-  /// Allocates.
+  /// Allocates, and waits for the disk if it has a window of its own.
   submaps::LoopedMap* looped = nullptr;
 };
 

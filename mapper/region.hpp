@@ -21,6 +21,32 @@ inline constexpr int kRegionSide_cells = 64;
 /// Lowest voxel of a region.
 [[nodiscard]] constexpr VoxelIndex region_origin(RegionKey region) { return block_origin(first_block(region)); }
 
+/// The regions that a box of voxels touches.
+struct RegionBox {
+  VoxelIndex low;   ///< regions along each axis
+  VoxelIndex high;  ///< as well, inclusive
+
+  RegionBox() = default;
+  constexpr RegionBox(const VoxelIndex& lowest, const VoxelIndex& highest) : low(along(lowest)), high(along(highest)) {}
+  [[nodiscard]] constexpr bool holds(RegionKey region) const {
+    const VoxelIndex v = decode(region);
+    return v.x >= low.x && v.x <= high.x && v.y >= low.y && v.y <= high.y && v.z >= low.z && v.z <= high.z;
+  }
+  template <typename Visit>
+  void for_each(Visit&& visit) const {
+    for (std::int32_t z = low.z; z <= high.z; ++z) {
+      for (std::int32_t y = low.y; y <= high.y; ++y) {
+        for (std::int32_t x = low.x; x <= high.x; ++x) visit(static_cast<RegionKey>(encode({x, y, z})));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] static constexpr VoxelIndex along(const VoxelIndex& v) {
+    return {v.x / kRegionSide_cells, v.y / kRegionSide_cells, v.z / kRegionSide_cells};
+  }
+};
+
 /// Square of the distance in voxels from `v` to the nearest voxel of the region; 0 inside. Integers, so that every
 /// machine decides alike.
 [[nodiscard]] constexpr std::int64_t squared_distance_cells(RegionKey region, const VoxelIndex& v) {

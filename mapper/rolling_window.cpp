@@ -34,19 +34,6 @@ std::uint32_t frustum_blocks(const hal::CameraModel& camera, double far_m, doubl
   return static_cast<std::uint32_t>(std::min(1.3 * volume_m3 / std::pow(8.0 * resolution_m, 3.0), 1e8));
 }
 
-VoxelIndex to_region(const VoxelIndex& v) {
-  return {v.x / kRegionSide_cells, v.y / kRegionSide_cells, v.z / kRegionSide_cells};
-}
-
-template <typename Visit>
-void for_box(const VoxelIndex& low, const VoxelIndex& high, Visit&& visit) {
-  for (std::int32_t z = low.z; z <= high.z; ++z) {
-    for (std::int32_t y = low.y; y <= high.y; ++y) {
-      for (std::int32_t x = low.x; x <= high.x; ++x) visit(static_cast<RegionKey>(encode({x, y, z})));
-    }
-  }
-}
-
 }  // namespace
 
 double least_radius_m(const hal::CameraModel& camera, float far_m, float resolution_m) {
@@ -134,9 +121,7 @@ void RollingWindow::touch(BlockKey key) {
 void RollingWindow::aim(const cpu::FrameGeometry& frame) {
   const auto& t = frame.translation_m;
   camera_ = map_.grid().to_index(t[0], t[1], t[2]);
-  low_region_ = to_region(frame.origin);
-  high_region_ = to_region({frame.origin.x + 8 * frame.nx_blocks - 1, frame.origin.y + 8 * frame.ny_blocks - 1,
-                            frame.origin.z + 8 * frame.nz_blocks - 1});
+  needed_ = {frame.origin, frame.last()};
 }
 
 // Room for twice what the hungriest frame took, at least for a frustum of new space, at most for half of the pool.
@@ -158,12 +143,6 @@ void RollingWindow::adapt_radius() {
   radius_cells_ = std::min(full_radius_cells_, radius_cells_ + kRegionSide_cells / 8);
 }
 
-bool RollingWindow::is_needed(RegionKey region) const {
-  const VoxelIndex v = decode(region);
-  return v.x >= low_region_.x && v.x <= high_region_.x && v.y >= low_region_.y && v.y <= high_region_.y &&
-         v.z >= low_region_.z && v.z <= high_region_.z;
-}
-
 bool RollingWindow::is_store_allowed() const {
   return frames_until_retry_ == 0 && pager_.free_buffers() > (config_.lockstep ? 0 : kBuffersForLoads);
 }
@@ -175,7 +154,7 @@ bool RollingWindow::find_farthest(std::int64_t beyond_squared_cells, Target& fou
     const std::int64_t d = squared_distance_cells(region, camera_);
     if (d < found.squared_cells || (d == found.squared_cells && (!any || region > found.region))) continue;
     const RegionState& state = *regions_.find(region);
-    if (state.busy || state.unreadable || is_needed(region)) continue;
+    if (state.busy || state.unreadable || needed_.holds(region)) continue;
     found = {region, d};
     any = true;
   }
@@ -235,7 +214,7 @@ bool RollingWindow::page_out(RegionKey region) {
 
 void RollingWindow::load_needed() {
   if (on_disk_count_ == 0) return;
-  for_box(low_region_, high_region_, [&](RegionKey region) {
+  needed_.for_each([&](RegionKey region) {
     RegionState* state = regions_.find(region);
     if (state == nullptr || !state->on_disk || state->busy || state->unreadable) return;
     const MapCapacity needed = state->needed();
@@ -254,13 +233,13 @@ void RollingWindow::load_ahead() {
   if (limit_cells <= 0) return;
   const auto cells = static_cast<std::int32_t>(std::min<std::int64_t>(limit_cells, kAxisCells));
   const auto bound = [](std::int32_t k) { return std::clamp(k, 0, kAxisCells - 1); };
-  const VoxelIndex low = to_region({bound(camera_.x - cells), bound(camera_.y - cells), bound(camera_.z - cells)});
-  const VoxelIndex high = to_region({bound(camera_.x + cells), bound(camera_.y + cells), bound(camera_.z + cells)});
+  const RegionBox ahead({bound(camera_.x - cells), bound(camera_.y - cells), bound(camera_.z - cells)},
+                        {bound(camera_.x + cells), bound(camera_.y + cells), bound(camera_.z + cells)});
   constexpr std::size_t kMost = 16;
   std::array<Target, kMost> nearest;
   std::size_t count = 0;
   const std::size_t most = std::min<std::size_t>(config_.regions_per_frame, kMost);
-  for_box(low, high, [&](RegionKey region) {
+  ahead.for_each([&](RegionKey region) {
     const RegionState* state = regions_.find(region);
     if (state == nullptr || !state->on_disk || state->busy || state->unreadable) return;
     const Target target{region, squared_distance_cells(region, camera_)};

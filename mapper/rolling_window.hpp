@@ -77,7 +77,6 @@ class RollingWindow {
   void aim(const cpu::FrameGeometry& frame);
   void learn_growth();
   void adapt_radius();
-  [[nodiscard]] bool is_needed(RegionKey region) const;
   [[nodiscard]] bool is_store_allowed() const;
 
   [[nodiscard]] bool find_farthest(std::int64_t beyond_squared_cells, Target& found);
@@ -109,8 +108,7 @@ class RollingWindow {
 
   // This frame
   VoxelIndex camera_;
-  VoxelIndex low_region_;  ///< of the frame's box, in regions
-  VoxelIndex high_region_;
+  RegionBox needed_;  ///< the frame's box
 
   // Memory
   MapCapacity least_reserve_;  ///< kept free for one frame

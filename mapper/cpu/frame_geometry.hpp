@@ -50,6 +50,10 @@ struct FrameGeometry {
     return static_cast<std::uint32_t>(nx_blocks) * static_cast<std::uint32_t>(ny_blocks) *
            static_cast<std::uint32_t>(nz_blocks);
   }
+  /// Highest voxel of the box.
+  [[nodiscard]] VoxelIndex last() const {
+    return {origin.x + 8 * nx_blocks - 1, origin.y + 8 * ny_blocks - 1, origin.z + 8 * nz_blocks - 1};
+  }
   [[nodiscard]] std::uint32_t block_id(int bx, int by, int bz) const {
     return static_cast<std::uint32_t>(bx + nx_blocks * (by + ny_blocks * bz));
   }

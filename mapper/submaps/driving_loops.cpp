@@ -43,11 +43,7 @@ void DrivingLoops::search() {
   chain_.add(stretch_, sketch_.take_ended());
   join_old(chain_, closer_, options_.join);
   if (!closer_.add_submap(chain_)) return;
-  placed_ = std::make_unique<PlacedSubmaps>(chain_.view().grid());
-  const auto submaps = chain_.submaps();
-  for (std::size_t i = 0; i < submaps.size(); ++i) {
-    placed_->add(*submaps[i].contents, closer_.T_world_stored()[i]);
-  }
+  placed_ = chain_.placed_at(closer_.T_world_stored());
   whole_ = placed_->whole();
 }
 

@@ -104,14 +104,20 @@ hal::Pose SubmapChain::join(std::size_t index) {
   return T_next_one_anchors;
 }
 
+std::unique_ptr<PlacedSubmaps> SubmapChain::placed_at(std::span<const hal::Pose> T_world_stored) const {
+  assert(T_world_stored.size() == submaps_.size());
+  auto placed = std::make_unique<PlacedSubmaps>(view_.grid());
+  for (std::size_t i = 0; i < submaps_.size(); ++i) placed->add(*submaps_[i].contents, T_world_stored[i]);
+  return placed;
+}
+
 void SubmapChain::place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed) {
   assert(T_world_stored.size() == submaps_.size());
-  if (placed == nullptr) placed = std::make_unique<PlacedSubmaps>(view_.grid());
-  for (std::size_t i = 0; i < submaps_.size(); ++i) {
-    submaps_[i].T_world_stored = T_world_stored[i];
-    if (i >= placed->size()) placed->add(*submaps_[i].contents, T_world_stored[i]);
-  }
-  placed_ = std::move(placed);
+  placed_ = placed != nullptr ? std::move(placed) : placed_at(T_world_stored);
+  for (std::size_t i = 0; i < submaps_.size(); ++i) submaps_[i].T_world_stored = T_world_stored[i];
+  // What has been finished since somebody placed the others.
+  for (std::size_t i = placed_->size(); i < submaps_.size(); ++i)
+    placed_->add(*submaps_[i].contents, T_world_stored[i]);
 }
 
 void SubmapChain::rebuild(const std::function<bool(RegionKey)>& is_wanted) {

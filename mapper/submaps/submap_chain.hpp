@@ -71,6 +71,8 @@ class SubmapChain {
   /// One of them and the next become one, which stands where the first did; the next goes on standing to it as it does.
   /// What they say is the same, to the bit if both stand alike. Returns how the first one's anchor stood to the next's.
   hal::Pose join(std::size_t submap);
+  /// The submaps as they would stand at these poses, one each. Where they do stand does not change.
+  [[nodiscard]] std::unique_ptr<PlacedSubmaps> placed_at(std::span<const hal::Pose> T_world_stored) const;
   /// Where each stands from now on; one pose each. The view is as it was until rebuild(). `placed`: the same submaps at
   /// these poses, if somebody has them already.
   void place(std::span<const hal::Pose> T_world_stored, std::unique_ptr<PlacedSubmaps> placed = nullptr);

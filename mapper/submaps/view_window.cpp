@@ -15,10 +15,6 @@ constexpr double kStride_m = 0.5;  // less than least_radius_m() leaves as a mar
 constexpr MapCapacity kRegionNeeds{kRegionBlocks, kRegionBlocks, 2 * kRegionBlocks};  // one full of surfaces
 constexpr std::uint32_t kKeptFree = 8;  // one part in so many of each pool, for frames to come
 
-VoxelIndex region_index(const VoxelIndex& v) {
-  return {v.x / kRegionSide_cells, v.y / kRegionSide_cells, v.z / kRegionSide_cells};
-}
-
 }  // namespace
 
 ViewWindow::ViewWindow(SubmapChain& chain, VoxelMap& view, const hal::CameraModel& camera,
@@ -40,16 +36,8 @@ bool ViewWindow::aim(const hal::Pose& T_world_camera) {
   if (!frame) return false;
   const auto& t = frame->translation_m;
   camera_ = view_.grid().to_index(t[0], t[1], t[2]);
-  low_region_ = region_index(frame->origin);
-  high_region_ = region_index({frame->origin.x + 8 * frame->nx_blocks - 1, frame->origin.y + 8 * frame->ny_blocks - 1,
-                               frame->origin.z + 8 * frame->nz_blocks - 1});
+  needed_ = {frame->origin, frame->last()};
   return true;
-}
-
-bool ViewWindow::is_needed(RegionKey region) const {
-  const VoxelIndex v = decode(region);
-  return v.x >= low_region_.x && v.x <= high_region_.x && v.y >= low_region_.y && v.y <= high_region_.y &&
-         v.z >= low_region_.z && v.z <= high_region_.z;
 }
 
 void ViewWindow::prepare(const hal::Pose& T_world_camera) {
@@ -72,7 +60,7 @@ void ViewWindow::send_away() {
   std::vector<std::uint32_t> far;
   for (std::uint32_t slot = 0; slot < view_.slot_end(); ++slot) {
     const BlockKey key = view_.header(slot).key;
-    if (key == VoxelMap::kNoKey || is_within(region_of(key), radius_cells_) || is_needed(region_of(key))) continue;
+    if (key == VoxelMap::kNoKey || is_within(region_of(key), radius_cells_) || needed_.holds(region_of(key))) continue;
     if (chain_.recorder().is_noted(slot)) held.insert(region_of(key));
     far.push_back(slot);
   }
@@ -91,7 +79,7 @@ bool ViewWindow::bring_back() {
   const std::int64_t ahead_cells = std::max<std::int64_t>(radius_cells_ - kRegionSide_cells, 0);
   std::vector<std::pair<std::int64_t, RegionKey>> near;  // what the frame sees first, then what is nearest
   for (const RegionKey region : out_) {
-    const std::int64_t squared_cells = is_needed(region) ? -1 : squared_distance_cells(region, camera_);
+    const std::int64_t squared_cells = needed_.holds(region) ? -1 : squared_distance_cells(region, camera_);
     if (squared_cells <= ahead_cells * ahead_cells) near.emplace_back(squared_cells, region);
   }
   std::sort(near.begin(), near.end());
@@ -136,7 +124,7 @@ void ViewWindow::rebuild(const hal::Pose& T_world_camera) {
   has_looked_ = false;
   out_.clear();
   for (const RegionKey region : chain_.placed().regions()) {
-    if (!is_needed(region)) out_.insert(region);
+    if (!needed_.holds(region)) out_.insert(region);
   }
   chain_.rebuild([&](RegionKey region) { return !is_out(region); });
   (void)bring_back();

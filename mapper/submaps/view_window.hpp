@@ -61,7 +61,6 @@ class ViewWindow {
   }
   /// False: no frame can be mapped there.
   [[nodiscard]] bool aim(const hal::Pose& T_world_camera);
-  [[nodiscard]] bool is_needed(RegionKey region) const;
   [[nodiscard]] bool is_within(RegionKey region, std::int64_t cells) const {
     return squared_distance_cells(region, camera_) <= cells * cells;
   }
@@ -85,8 +84,7 @@ class ViewWindow {
   cpu::SensorGeometry sensor_;
   VoxelIndex camera_;
   VoxelIndex looked_at_;     ///< where the camera was when all this was looked at
-  VoxelIndex low_region_;    ///< of the frame's box, in regions
-  VoxelIndex high_region_;   ///< of the frame's box, in regions
+  RegionBox needed_;         ///< the frame's box
   bool has_looked_ = false;  ///< and found room for all that frames from around there may see
   bool has_held_ = false;    ///< regions that are far, but have changed since the last submap
   bool wants_submap_ = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <vector>
 
 #include "tests/support/sample_maps.hpp"
 
@@ -38,5 +39,32 @@ TEST_CASE("the distance to a region is that to its nearest voxel", "[mapper][pag
       }
     }
     CHECK(squared_distance_cells(region_of(low), from) == nearest);
+  }
+}
+
+TEST_CASE("a box of regions holds those that its voxels are in, and visits each once", "[mapper][paging]") {
+  const VoxelIndex low{63, 64, 130};
+  const VoxelIndex high{64, 127, 200};
+  const RegionBox box(low, high);
+  std::vector<RegionKey> visited;
+  box.for_each([&](RegionKey region) { visited.push_back(region); });
+  std::vector<RegionKey> expected;
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) expected.push_back(region_of(VoxelIndex{x, y, z}));
+    }
+  }
+  std::sort(expected.begin(), expected.end());
+  expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+  std::sort(visited.begin(), visited.end());
+  CHECK(visited == expected);
+  CHECK(visited.size() == 4);
+  for (int z = 0; z < 320; z += 32) {
+    for (int y = 0; y < 320; y += 32) {
+      for (int x = 0; x < 320; x += 32) {
+        const RegionKey region = region_of(VoxelIndex{x, y, z});
+        CHECK(box.holds(region) == std::binary_search(expected.begin(), expected.end(), region));
+      }
+    }
   }
 }
