@@ -61,6 +61,17 @@ bool is_the_file_at(int fd, const std::string& path) {
          opened.st_dev == named.st_dev;
 }
 
+// A part that was there before may have been opened by others: then what is written next would be theirs to read.
+Result<void> make_private(int fd, const std::string& part) {
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) return system_error(part, "cannot write", errno);
+  if (status.st_uid != ::geteuid() || status.st_nlink != 1 || (status.st_mode & 0077) != 0) {
+    return Error{Reason::no_permission,
+                 fmt::format("{}: is there already, and others can get at it; remove it and try again", part)};
+  }
+  return {};
+}
+
 }  // namespace
 
 Error system_error(const std::string& path, std::string_view what, int errno_value) {
@@ -99,11 +110,16 @@ Error system_error(const std::string& path, std::string_view what, int errno_val
   return {reason, fmt::format("{}: {}: {}; {}", path, what, std::strerror(errno_value), remedy)};
 }
 
-Result<AtomicFile> AtomicFile::create(const std::string& path) {
+Result<AtomicFile> AtomicFile::create(const std::string& path) { return create(path, false); }
+
+Result<AtomicFile> AtomicFile::create_private(const std::string& path) { return create(path, true); }
+
+Result<AtomicFile> AtomicFile::create(const std::string& path, bool is_private) {
   const std::string part = part_of(path);
   for (;;) {
     // For reading as well: see what_came_back().
-    const int fd = disk().open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    const int fd =
+        disk().open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, is_private ? 0600 : 0666);
     if (fd < 0) return system_error(part, "cannot create", errno);
     // Other failures mean a file system without locks: then two writers at once are the user's affair.
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -120,24 +136,37 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
       ::close(fd);
       return system_error(part, "cannot empty", failed);
     }
-    return AtomicFile(path, fd);
+    if (is_private) {
+      if (const Result<void> made = make_private(fd, part); !made) {
+        ::close(fd);
+        return made.error();
+      }
+    }
+    return AtomicFile(path, fd, is_private);
   }
 }
 
-AtomicFile::AtomicFile(std::string path, int fd)
+AtomicFile::AtomicFile(std::string path, int fd, bool is_private)
     : path_(std::move(path)),
       fd_(fd),
+      is_private_(is_private),
       buffer_(std::make_unique<std::uint8_t[]>(kBuffer_bytes)),
       error_{Reason::bad_usage, path_ + ": was closed already; open it again"} {}
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(std::exchange(other.fd_, -1)),
+      is_private_(other.is_private_),
       buffer_(std::move(other.buffer_)),
       buffered_bytes_(other.buffered_bytes_),
       checksum_(other.checksum_),
       bytes_written_(other.bytes_written_),
       error_(std::move(other.error_)) {}
+
+AtomicFile::~AtomicFile() {
+  abandon();
+  if (is_private_ && buffer_) ::explicit_bzero(buffer_.get(), kBuffer_bytes);
+}
 
 Error AtomicFile::fail(std::string_view what, int errno_value) {
   error_ = system_error(path_, what, errno_value);

@@ -23,9 +23,11 @@ class AtomicFile {
  public:
   /// Refuses if another process or object is writing the same file right now (Reason::no_permission).
   static Result<AtomicFile> create(const std::string& path);
+  /// For secrets: mode 0600 from the first byte on, and no copy left in memory. Refuses a part that is somebody else's.
+  static Result<AtomicFile> create_private(const std::string& path);
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;
-  ~AtomicFile() { abandon(); }
+  ~AtomicFile();
 
   /// Buffered. After a failure the part is gone, and every further call repeats the error.
   Result<void> write(std::span<const std::uint8_t> bytes);
@@ -36,13 +38,15 @@ class AtomicFile {
   [[nodiscard]] std::uint64_t bytes_written() const { return bytes_written_; }
 
  private:
-  AtomicFile(std::string path, int fd);
+  AtomicFile(std::string path, int fd, bool is_private);
+  static Result<AtomicFile> create(const std::string& path, bool is_private);
   Result<void> flush();
   Result<void> check_what_came_back();
   Error fail(std::string_view what, int errno_value);
 
   std::string path_;
   int fd_ = -1;
+  bool is_private_ = false;
   std::unique_ptr<std::uint8_t[]> buffer_;
   std::size_t buffered_bytes_ = 0;
   std::uint32_t checksum_ = 0;  ///< CRC-32 of all that was to be written

@@ -165,3 +165,39 @@ TEST_CASE("What a disk does not give back as it was written does not replace the
   CHECK(save().ok());
   CHECK(read_plain(path) == text);
 }
+
+TEST_CASE("A private file is its owner's alone from the first byte on") {
+  const TempFolder folder;
+  const std::string path = folder / "key";
+  const auto mode_of = [](const std::string& name) {
+    struct stat status {};
+    REQUIRE(::stat(name.c_str(), &status) == 0);
+    return status.st_mode & 07777;
+  };
+  write_plain(path, "old, for all to read");
+  const mode_t before = ::umask(0);
+  Result<AtomicFile> file = AtomicFile::create_private(path);
+  ::umask(before);
+  REQUIRE(file.ok());
+  CHECK(mode_of(path + ".part") == 0600);
+  REQUIRE(file.value().write("secret").ok());
+  REQUIRE(file.value().commit().ok());
+  CHECK(mode_of(path) == 0600);
+  CHECK(read_plain(path) == "secret");
+}
+
+TEST_CASE("A private file is not written into what others hold open or have linked") {
+  const TempFolder folder;
+  const std::string path = folder / "key", part = path + ".part";
+  write_plain(part, "left behind");
+  REQUIRE(::chmod(part.c_str(), 0644) == 0);
+  const Result<AtomicFile> readable = AtomicFile::create_private(path);
+  REQUIRE_FALSE(readable.ok());
+  CHECK(readable.error().reason == Reason::no_permission);
+  CHECK(readable.error().text.find("remove it") != std::string::npos);
+  REQUIRE(::chmod(part.c_str(), 0600) == 0);
+  REQUIRE(::link(part.c_str(), (folder / "other").c_str()) == 0);
+  CHECK_FALSE(AtomicFile::create_private(path).ok());
+  REQUIRE(::unlink((folder / "other").c_str()) == 0);
+  CHECK(AtomicFile::create_private(path).ok());
+}
