@@ -4,39 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <new>
 #include <vector>
 
 #include "mapper/map_sampler.hpp"
+#include "mapper/voxel_tally.hpp"
 
 namespace g3d::mapper {
 namespace {
 
 using hal::Error;
 using hal::Reason;
-/// What is known so far of one target voxel.
-struct Tally {
-  std::int32_t sum = 0;  ///< of O_i - 16
-  Rgbo colour = 0;       ///< stored code of the surest coloured source, 0 = none
-  std::uint64_t colour_layer = 0;
-
-  void add(Rgbo code, std::uint64_t layer) {
-    sum += static_cast<std::int32_t>(level_of(code)) - kUnknownLevel;
-    if ((code & kHasColourBit) == 0 || state_of(code) != State::occupied) return;
-    const bool wins = colour == 0 || level_of(code) > level_of(colour) ||
-                      (level_of(code) == level_of(colour) &&
-                       (layer < colour_layer || (layer == colour_layer && code >> 8 < colour >> 8)));
-    if (!wins) return;
-    colour = code;
-    colour_layer = layer;
-  }
-  [[nodiscard]] Rgbo result() const {
-    const auto level = static_cast<Rgbo>(std::clamp(kUnknownLevel + sum, 0, static_cast<std::int32_t>(kMaxLevel)));
-    return level > kUnknownLevel && colour != 0 ? (colour & 0xFFFFFF00U) | kHasColourBit | level : level;
-  }
-};
-
 hal::Result<Grid> target_grid(std::span<const MergeSource> sources, const MergeOptions& options) {
   if (sources.empty()) return Error{Reason::bad_usage, "merging: no map was given; give at least one"};
   if (!hal::is_valid(options.T_world_target))
@@ -86,19 +64,14 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
   }
 
   BlockValues values;
-  std::array<Tally, kBlockVoxels> tallies;
+  BlockTally tallies;
   for (const BlockKey key : keys) {
     tallies.fill({});
     for (std::size_t s = 0; s < samplers.size(); ++s) {
       samplers[s].sample(key, values);
-      for (std::size_t i = 0; i < values.size(); ++i) tallies[i].add(values[i], sources[s].layer_id);
+      add_block(tallies, values, sources[s].layer_id);
     }
-    bool known = false;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = tallies[i].result();
-      known = known || values[i] != kUnknownRgbo;
-    }
-    if (known && !merged->write_block(key, values)) return no_room(keys.size());
+    if (take_result(tallies, values) && !merged->write_block(key, values)) return no_room(keys.size());
   }
   return merged;
 }

@@ -82,7 +82,11 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   refused_blocks_ += report.refused_blocks;
   ++frames_.integrated;
   last_frame_pose_ = sight.T_world_camera;
-  navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
+  if (shared_ == nullptr) {
+    navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
+  } else {
+    navigator_.on_map(shared_->map(), shared_->on_own(mapper_.map(), mapper_.changed_slots()), {}, now);
+  }
   navigator_.on_frame(frame, config_.camera, base, now);
   if (loops_ == nullptr) return;
   const hal::TimeNs loops_start_ns = clock_.now();

@@ -27,6 +27,7 @@
 #include "nav/navigator.hpp"
 #include "nav/placing.hpp"
 #include "nav/senses.hpp"
+#include "nav/shared_sight.hpp"
 
 namespace g3d::nav {
 
@@ -53,6 +54,14 @@ class Robot {
   void on_line(hal::ByteLine& line, hal::TimeNs now);
   /// Every frame of the camera, whatever it is worth.
   void on_frame(const hal::Frame& frame, hal::TimeNs now);
+
+  /// From now on it drives by this, which outlives it; nullptr: by its own map. Before the first frame, and not with
+  /// loops.
+  void share(SharedSight* shared) { shared_ = shared; }
+  /// Blocks of what is shared have changed, though not by our own frames.
+  void on_shared(std::span<const std::uint32_t> slots, hal::TimeNs now) {
+    navigator_.on_map(shared_->map(), slots, {}, now);
+  }
 
   /// For people who look on.
   [[nodiscard]] LiveStatus status(hal::TimeNs now) const {
@@ -94,6 +103,7 @@ class Robot {
   Senses senses_;
   Placing placing_;
   std::unique_ptr<mapper::submaps::DrivingLoops> loops_;
+  SharedSight* shared_ = nullptr;
   mapper::FrameCounts frames_;
   mapper::StageTimes integrate_times_;
   mapper::StageTimes align_times_;

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shared map among robots: everybody tells everybody what it has, asks one of those who have more, and is sent what
+// it lacks, until all have the same. Layers travel through third robots and outlive their writers.
+//
+//   beacon to all, twice a second ──▶ who has more? ──▶ want to a source ──▶ data, paced ──▶ store ──▶ want (answer)
+//
+// Who is told of a layer once is sent its news at once. Messages may be lost, doubled, late or out of order, and robots
+// may start anew: nothing is applied but whole records, and the newest stands. If two have the same versions of a layer
+// and yet not the same records (a writer died between two of them), they find out what each lacks (reconciler.hpp).
+//
+// No threads, no clock, nothing allocated after construction: whoever owns the link calls it, with the time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hal/messages.hpp"
+#include "net/layer_sources.hpp"
+#include "net/layer_store.hpp"
+#include "net/membership.hpp"
+#include "net/reconciler.hpp"
+#include "net/sync_message.hpp"
+
+namespace g3d::net {
+
+/// Where messages leave. They may be lost; false: not even tried.
+class Link {
+ public:
+  virtual ~Link() = default;
+  virtual bool send(Address to, mapper::ByteSpan message) = 0;
+};
+
+struct GossipOptions {
+  LayerId self;            ///< our own layer
+  std::uint64_t seed = 0;  ///< a random number: who starts together does not speak together
+  std::size_t most_peers = 64;
+  MembershipRule membership;
+  SourceRule sources;
+  ReconcilerOptions reconciler;
+  double bandwidth_Bps = 250'000.0;       ///< what we may send
+  std::size_t bytes_around_message = 31;  ///< what sealing adds: counts as sent
+  hal::TimeNs beacon_period_ns = 500'000'000;
+  hal::TimeNs answer_after_ns = 40'000'000;  ///< data is answered so late at the latest
+  std::uint32_t answer_every = 16;           ///< or after so many datagrams
+};
+
+struct GossipCounts {
+  std::array<std::uint64_t, kMessageKinds> sent_messages{};  ///< by MessageKind
+  std::array<std::uint64_t, kMessageKinds> sent_bytes{};
+  std::uint64_t received_messages = 0;
+  std::uint64_t stored_records = 0;
+  std::uint64_t superseded_records = 0;                ///< had that or newer ones already
+  std::uint64_t refused_records = 0;                   ///< no room
+  std::uint64_t refused_ranges = 0;                    ///< too many gaps before them
+  std::uint64_t refused_layers = 0;                    ///< no room for a layer more
+  std::array<std::uint64_t, kMessageFaults> faults{};  ///< by MessageFault
+  [[nodiscard]] std::uint64_t all_sent_bytes() const {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t bytes : sent_bytes) sum += bytes;
+    return sum;
+  }
+};
+
+class Gossip {
+ public:
+  /// `store`: outlives this; it has at least one layer free, for our own.
+  Gossip(const GossipOptions& options, LayerStore& store, Link& link);
+
+  /// A record of our own layer, of the next version. False if the store has no room, or it is longer than
+  /// kMostPayload_bytes. What was published is on its way
+  /// after commit().
+  bool publish(RecordKey key, Lane lane, mapper::ByteSpan payload);
+  void commit(hal::TimeNs now_ns);
+
+  /// A message of a robot whose word is genuine. What an earlier start of it had sent comes no more once a later one
+  /// was heard.
+  void on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns);
+  /// Every 5 to 20 ms: sends what is due, as far as bandwidth goes.
+  void on_time(hal::TimeNs now_ns);
+
+  [[nodiscard]] const Membership& members() const { return members_; }
+  [[nodiscard]] const LayerSources& sources() const { return sources_; }
+  [[nodiscard]] const GossipCounts& counts() const { return counts_; }
+  [[nodiscard]] const ReconcilerCounts& reconciler_counts() const { return reconciler_.counts(); }
+  [[nodiscard]] LayerIndex own_layer() const { return own_; }
+  [[nodiscard]] Version version() const { return version_; }
+  [[nodiscard]] const GossipOptions& options() const { return options_; }
+
+ private:
+  class Applying;
+  void on_beacon(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
+  void on_vector(Peer& peer, mapper::ByteSpan message);
+  void on_want(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
+  void on_data(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
+  void note_fault(MessageFault fault) { ++counts_.faults[static_cast<std::size_t>(fault)]; }
+  /// kNoLayer: no room.
+  [[nodiscard]] LayerIndex layer_of(const LayerId& id);
+  void note_known(Peer& peer, const LayerVersions& layer);
+
+  void reconcile_with(Peer& peer, hal::TimeNs now_ns);
+  void send_beacon(hal::TimeNs now_ns);
+  void send_want(Peer& peer, hal::TimeNs now_ns);
+  void send_vector(Peer& peer, bool wants_answer);
+  void send_data(hal::TimeNs now_ns);
+  /// Nothing of our store has changed for a while, and nobody is known to have more.
+  [[nodiscard]] bool is_settled(hal::TimeNs now_ns) const;
+  void ask_if_puzzled(hal::TimeNs now_ns);
+  [[nodiscard]] bool want_is_due(const Peer& peer, hal::TimeNs now_ns) const;
+  [[nodiscard]] bool lacks_from(const Peer& peer) const;
+  bool send(Address to, MessageKind kind, mapper::ByteSpan message);
+  [[nodiscard]] LayerVersions versions_of(LayerIndex layer) const;
+
+  GossipOptions options_;
+  LayerStore& store_;
+  Link& link_;
+  LayerIndex own_;
+  Version version_ = 0;
+  Membership members_;
+  LayerSources sources_;
+  GossipCounts counts_;
+  MessageWriter message_;
+  LayerList layers_;        ///< of the message that is read
+  PositionList positions_;  ///< the same
+  double allowance_bytes_ = 0.0;
+  hal::TimeNs allowance_ns_ = 0;
+  hal::TimeNs beacon_ns_;
+  std::size_t data_turn_ = 0;
+  std::size_t vector_turn_ = 0;
+  std::vector<LayerVersions> told_;  ///< by layer: what our last beacons have told
+  hal::TimeNs stored_ns_ = 0;        ///< when the last record was
+  hal::TimeNs chosen_ns_ = 0;
+  hal::TimeNs asked_ns_ = 0;
+  std::size_t ask_turn_ = 0;
+  Reconciler reconciler_;
+};
+
+}  // namespace g3d::net

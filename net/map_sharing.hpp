@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that one robot needs to share its map: its layer is written from its own map, gossip carries layers to and fro,
+// and what the others have seen comes into the view by which it drives.
+//
+//   own map ─changed blocks─▶ LayerWriter ─▶ LayerStore ◀─▶ Gossip ◀─▶ radio
+//      └──────▶ SharedView ◀── MergedMap of the others' layers ◀──┘
+//
+// All calls from one thread, but for what LayerWriter says. Memory is sized at construction.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "hal/messages.hpp"
+#include "mapper/voxel_map.hpp"
+#include "net/gossip.hpp"
+#include "net/layer_writer.hpp"
+#include "net/merged_map.hpp"
+#include "net/shared_view.hpp"
+
+namespace g3d::net {
+
+struct SharingOptions {
+  GossipOptions gossip;
+  StoreLimits store;
+  GroundBand band;
+  std::size_t most_submaps = 16;             ///< of the others together
+  hal::TimeNs round_ns = 500'000'000;        ///< own changes are published so often
+  double share_of_bandwidth = 0.5;           ///< that own news may take; the rest is for what was lost, and for others'
+  hal::TimeNs merge_every_ns = 200'000'000;  ///< others' changes are taken so often
+};
+
+class MapSharing {
+ public:
+  /// `own` and `link` outlive this.
+  MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link);
+
+  /// Where our map stands in the world.
+  void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
+    (void)writer_.publish_pose(T_world_map, now_ns);
+  }
+  void note_changed(std::span<const std::uint32_t> slots) { writer_.note_changed(slots); }
+  void on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns) {
+    gossip_.on_message(from, message, now_ns);
+  }
+  /// Every 5 to 20 ms. Returns slots of view().map() that others' news have changed, until the next call of the view.
+  std::span<const std::uint32_t> on_time(hal::TimeNs now_ns);
+
+  [[nodiscard]] SharedView& view() { return view_; }
+  [[nodiscard]] const Gossip& gossip() const { return gossip_; }
+  [[nodiscard]] const LayerStore& store() const { return store_; }
+  [[nodiscard]] const LayerWriter& writer() const { return writer_; }
+  [[nodiscard]] const MergedMap& others() const { return others_; }
+
+ private:
+  SharingOptions options_;
+  LayerStore store_;
+  Gossip gossip_;
+  LayerWriter writer_;
+  MergedMap others_;
+  SharedView view_;
+  hal::TimeNs published_ns_ = 0;
+  hal::TimeNs merged_ns_ = 0;
+};
+
+}  // namespace g3d::net

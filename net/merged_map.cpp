@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/merged_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "mapper/block_source.hpp"
+#include "net/pose_payload.hpp"
+
+namespace g3d::net {
+
+MergedMap::MergedMap(const MergedOptions& options) : options_(options), merged_(options.grid, options.merged) {
+  submaps_.reserve(options.most_submaps);
+}
+
+MergedMap::Submap* MergedMap::submap_of(const LayerStore& store, LayerIndex layer, std::uint32_t number) {
+  const auto it = std::find_if(submaps_.begin(), submaps_.end(),
+                               [&](const Submap& s) { return s.index == layer && s.number == number; });
+  if (it != submaps_.end()) return &*it;
+  if (submaps_.size() == options_.most_submaps) {
+    ++counts_.refused_submaps;
+    return nullptr;
+  }
+  submaps_.push_back({store.id(layer), layer, number, 0,
+                      std::make_unique<mapper::VoxelMap>(options_.grid, options_.submap), std::nullopt});
+  Submap& added = submaps_.back();
+  const auto order = [](const Submap& s) { return std::tuple(s.layer, s.number); };
+  for (Submap& other : submaps_) {
+    if (&other == &added) continue;
+    if (order(other) < order(added)) {
+      ++added.rank;
+    } else {
+      ++other.rank;
+    }
+  }
+  return &added;
+}
+
+mapper::ByteSpan MergedMap::payload_of(const LayerStore& store, const StoredRecord& record) {
+  payload_.resize(record.bytes);
+  store.read(record, payload_);
+  return payload_;
+}
+
+void MergedMap::take_block(const LayerStore& store, LayerIndex layer, RecordKey key) {
+  Submap* submap = submap_of(store, layer, submap_of_key(key));
+  if (submap == nullptr) return;
+  // The whole first, then the halves that are newer; or halves alone.
+  values_.fill(mapper::kUnknownRgbo);
+  Version whole_version = 0;
+  for (const Part part : {Part::whole, Part::low_half, Part::high_half}) {
+    const auto record = store.find_record(layer, with_part(key, part));
+    if (!record || record->version < whole_version) continue;
+    if (part == Part::whole) whole_version = record->version;
+    if (unpacker_.unpack(payload_of(store, *record), part, values_) != UnpackError::none) ++counts_.bad_payloads;
+  }
+  const mapper::BlockKey block = block_key_of(key);
+  if (!mapper::is_known(values_)) {
+    (void)submap->map->erase_block(block);
+  } else if (!submap->map->write_block(block, values_)) {
+    ++counts_.refused_blocks;
+    return;
+  }
+  if (submap->sampler) submap->sampler->add_target_keys(std::array{block}, due_);
+}
+
+void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32_t number) {
+  Submap* submap = submap_of(store, layer, number);
+  const auto record = store.find_record(layer, pose_record(number));
+  if (submap == nullptr || !record) return;
+  hal::Pose T_world_submap;
+  if (!read_pose_payload(payload_of(store, *record), T_world_submap)) {
+    ++counts_.bad_payloads;
+    return;
+  }
+  const std::vector<mapper::BlockKey> all = submap->map->sorted_keys();
+  if (submap->sampler) {
+    submap->sampler->add_target_keys(all, due_);
+    ++counts_.moved_submaps;
+  }
+  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, hal::Pose{});
+  submap->sampler->add_target_keys(all, due_);
+}
+
+void MergedMap::take(const LayerStore& store, LayerIndex layer, RecordKey key) {
+  if (options_.left_out == store.id(layer)) return;
+  if (kind_of(key) == RecordKind::block) take_block(store, layer, key);
+  if (kind_of(key) == RecordKind::submap_pose) take_pose(store, layer, submap_of_key(key));
+}
+
+void MergedMap::update(LayerStore& store) {
+  due_.clear();
+  store.take_changes([&](LayerIndex layer, RecordKey key) { take(store, layer, key); });
+  merge_due();
+}
+
+void MergedMap::take_all(const LayerStore& store) {
+  due_.clear();
+  for (LayerIndex layer = 0; layer < store.layer_count(); ++layer) {
+    store.for_each(layer, [&](const StoredRecord& record) { take(store, layer, record.key); });
+  }
+  merge_due();
+}
+
+void MergedMap::merge_due() {
+  mapper::sort_and_drop_repeats(due_);
+  for (Submap& submap : submaps_) {
+    if (submap.sampler) submap.sampler->look_into(*submap.map);
+  }
+  for (const mapper::BlockKey key : due_) {
+    tally_.fill({});
+    for (Submap& submap : submaps_) {
+      if (!submap.sampler) continue;
+      submap.sampler->sample(key, values_);
+      mapper::add_block(tally_, values_, submap.rank);
+    }
+    ++counts_.merged_blocks;
+    if (!mapper::take_result(tally_, values_)) {
+      (void)merged_.erase_block(key);
+    } else if (!merged_.write_block(key, values_)) {
+      ++counts_.refused_blocks;
+    }
+  }
+}
+
+}  // namespace g3d::net

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one map of all layers: every submap of every layer, placed in the world as its writer says, resampled into one
+// grid and summed voxel by voxel (mapper/voxel_tally.hpp). A function of the records alone: whoever holds the same
+// records has the same map, in whatever order they came. Kept up to date block by block; what an update costs depends
+// on what has changed.
+//
+// A submap whose pose is not known yet waits. Memory is sized at construction: address space for each submap as large
+// as one map. One thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hal/geometry.hpp"
+#include "mapper/map_sampler.hpp"
+#include "mapper/voxel_map.hpp"
+#include "mapper/voxel_tally.hpp"
+#include "net/block_wire.hpp"
+#include "net/layer_store.hpp"
+
+namespace g3d::net {
+
+struct MergedOptions {
+  mapper::Grid grid;
+  mapper::MapCapacity merged;
+  mapper::MapCapacity submap;
+  std::size_t most_submaps = 64;  ///< of all layers together
+  std::optional<LayerId> left_out =
+      std::nullopt;  ///< a layer that does not count: a robot's own, which it knows better
+};
+
+struct MergedCounts {
+  std::uint64_t merged_blocks = 0;    ///< times a block of the result was made
+  std::uint64_t moved_submaps = 0;    ///< times a pose has changed
+  std::uint64_t bad_payloads = 0;     ///< records that are no block or no pose: left out
+  std::uint64_t refused_blocks = 0;   ///< no room
+  std::uint64_t refused_submaps = 0;  ///< too many
+};
+
+class MergedMap {
+ public:
+  explicit MergedMap(const MergedOptions& options);
+
+  /// Takes what has changed in the store since the last time.
+  void update(LayerStore& store);
+  /// The same from all that is in the store, for a map that begins now.
+  void take_all(const LayerStore& store);
+  [[nodiscard]] const mapper::VoxelMap& map() const { return merged_; }
+  /// Blocks of the result that the last update has made anew.
+  [[nodiscard]] std::span<const mapper::BlockKey> changed_keys() const { return due_; }
+  [[nodiscard]] const MergedCounts& counts() const { return counts_; }
+  [[nodiscard]] std::size_t submap_count() const { return submaps_.size(); }
+
+ private:
+  struct Submap {
+    LayerId layer;
+    LayerIndex index = kNoLayer;
+    std::uint32_t number = 0;
+    std::uint64_t rank =
+        0;  ///< place in the order of layers and numbers: who gives the colour of two equally sure ones
+    std::unique_ptr<mapper::VoxelMap> map;
+    std::optional<mapper::MapSampler> sampler;  ///< none: its pose is not known
+  };
+  /// nullptr if there are too many.
+  [[nodiscard]] Submap* submap_of(const LayerStore& store, LayerIndex layer, std::uint32_t number);
+  void take(const LayerStore& store, LayerIndex layer, RecordKey key);
+  void take_block(const LayerStore& store, LayerIndex layer, RecordKey key);
+  void take_pose(const LayerStore& store, LayerIndex layer, std::uint32_t number);
+  [[nodiscard]] mapper::ByteSpan payload_of(const LayerStore& store, const StoredRecord& record);
+  void merge_due();
+
+  MergedOptions options_;
+  mapper::VoxelMap merged_;
+  std::vector<Submap> submaps_;
+  std::vector<mapper::BlockKey> due_;  ///< blocks of the result
+  BlockUnpacker unpacker_;
+  std::vector<std::uint8_t> payload_;
+  mapper::BlockValues values_{};
+  mapper::BlockTally tally_{};
+  MergedCounts counts_;
+};
+
+}  // namespace g3d::net

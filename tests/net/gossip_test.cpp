@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/gossip.hpp"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "tests/support/gossip_fleet.hpp"
+
+using namespace g3d;
+using tests::FleetOptions;
+using tests::GossipFleet;
+
+namespace {
+
+constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
+
+/// One schedule of chance: publishing, losing, doubling, overtaking, killing, starting anew, and cutting links; then
+/// everybody hears everybody. All must come to hold the same, and nothing that anybody held then may be missing.
+void check_schedule(std::uint64_t seed) {
+  INFO("schedule " << seed);
+  hal::SeededRandom random(seed);
+  FleetOptions options;
+  options.robots = 2 + static_cast<std::uint32_t>(random.bits() % 4);
+  options.radio = {
+      random.uniform() * 0.5, random.uniform() * 0.2, random.uniform() * 0.2, 2'000'000, 5'000'000, 60'000'000, seed};
+  GossipFleet fleet(options);
+  const int events = 5 + static_cast<int>(random.bits() % 20);
+  for (int e = 0; e < events; ++e) {
+    const auto robot = static_cast<std::uint32_t>(random.bits() % options.robots);
+    switch (random.bits() % 8) {
+      case 0:
+        if (fleet.is_alive(robot)) {
+          fleet.kill(robot);
+        } else {
+          fleet.start(robot);
+        }
+        break;
+      case 1:
+        fleet.set_group(robot, static_cast<int>(random.bits() % 3));
+        break;
+      case 2:
+        fleet.join_all();
+        break;
+      default:
+        if (fleet.is_alive(robot)) fleet.publish(robot, static_cast<int>(random.bits() % 60), 50);
+    }
+    fleet.run(static_cast<hal::TimeNs>(random.bits() % 700) * 1'000'000);
+  }
+  fleet.join_all();
+  const GossipFleet::Standing before = fleet.standing();
+  const bool equal = fleet.run_until_equal(40 * kSecond_ns);
+  if (!equal) {
+    for (std::uint32_t i = 0; i < options.robots; ++i) {
+      if (fleet.is_alive(i)) UNSCOPED_INFO("robot " << i << " holds " << fleet.standing(i).size() << " records");
+    }
+  }
+  REQUIRE(equal);
+  // A whole block may have taken the place of its halves, and halves that of the whole.
+  const GossipFleet::Standing after = fleet.standing();
+  for (const auto& [key, version] : before) {
+    net::Version best = 0;
+    for (const net::Part part : {net::Part::whole, net::Part::low_half, net::Part::high_half}) {
+      if (const auto it = after.find({key.first, net::with_part(key.second, part)}); it != after.end()) {
+        best = std::max(best, it->second);
+      }
+    }
+    CHECK(best >= version);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("two robots come to hold the same", "[net][gossip]") {
+  FleetOptions options;
+  options.robots = 2;
+  GossipFleet fleet(options);
+  fleet.publish(0, 200, 500);
+  fleet.publish(1, 30, 500);
+  REQUIRE(fleet.run_until_equal(3 * kSecond_ns));
+  CHECK(fleet.standing(0).size() > 100);
+  CHECK(fleet.standing(0) == fleet.standing(1));
+}
+
+TEST_CASE("whatever the radio does, all who hear each other come to hold the same, and nothing is lost",
+          "[net][gossip]") {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) check_schedule(seed);
+}
+
+TEST_CASE("a payload that fits no datagram is not published", "[net][gossip]") {
+  FleetOptions options;
+  options.robots = 1;
+  GossipFleet fleet(options);
+  const mapper::Bytes payload(net::kMostPayload_bytes + 1, 7);
+  CHECK_FALSE(fleet.gossip(0).publish(net::block_record(0, 1, net::Part::whole), net::Lane::rest, payload));
+  CHECK(fleet.gossip(0).publish(net::block_record(0, 1, net::Part::whole), net::Lane::rest,
+                                mapper::ByteSpan(payload).first(net::kMostPayload_bytes)));
+}
+
+TEST_CASE("a thousand schedules", "[net][gossip][slow]") {
+  for (std::uint64_t seed = 51; seed <= 1050; ++seed) check_schedule(seed);
+}
+
+TEST_CASE("a hundred thousand schedules", "[net][gossip][.soak]") {
+  for (std::uint64_t seed = 1000; seed < 101000; ++seed) check_schedule(seed);
+}
+
+TEST_CASE("a robot that has kept its records but not what they complete is told the difference alone",
+          "[net][gossip][reconcile]") {
+  FleetOptions options;
+  options.robots = 2;
+  options.store = {8, 1U << 15, std::size_t{4} << 20};
+  options.radio.loss = GENERATE(0.0, 0.2);
+  GossipFleet fleet(options);
+  fleet.publish(0, 20000, 100000);
+  REQUIRE(fleet.run_until_equal(60 * kSecond_ns));
+  const net::LayerIndex layer = fleet.store(1).find({1, 1});
+  std::vector<std::pair<net::StoredRecord, mapper::Bytes>> kept;
+  fleet.store(1).for_each(layer, [&](const net::StoredRecord& record) {
+    mapper::Bytes payload(record.bytes);
+    fleet.store(1).read(record, payload);
+    kept.emplace_back(record, payload);
+  });
+  fleet.kill(1);
+  fleet.publish(0, 100, 100000);
+  fleet.start(1);
+  const net::LayerIndex again = fleet.store(1).find_or_add({1, 1});
+  for (const auto& [record, payload] : kept) {
+    REQUIRE(fleet.store(1).put(again, record.key, record.version, record.lane, payload) ==
+            net::LayerStore::Put::stored);
+  }
+  fleet.store(1).set_unclaimed(again, true);
+  const std::uint64_t sent_before = fleet.sent_bytes();
+  REQUIRE(fleet.run_until_equal(20 * kSecond_ns));
+  const net::ReconcilerCounts& counts = fleet.gossip(1).reconciler_counts();
+  CHECK(counts.ended_equal >= 1);
+  CHECK(counts.recovered_records > 0);
+  CHECK(counts.asked_symbols <= 2 * counts.differences + 16);
+  // 20,000 records are two megabytes.
+  CHECK(fleet.sent_bytes() - sent_before < 100'000);
+  fleet.publish(0, 10, 100000);
+  CHECK(fleet.run_until_equal(5 * kSecond_ns));
+}

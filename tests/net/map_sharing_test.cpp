@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/map_sharing.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "mapper/map_hash.hpp"
+#include "net/sim_radio.hpp"
+#include "tests/support/sample_maps.hpp"
+
+using namespace g3d;
+
+namespace {
+
+/// Two robots, each with a map of its own, over a radio.
+struct TwoSharers {
+  struct Robot final : net::Link {
+    Robot(TwoSharers& of, std::uint32_t its_number, const mapper::VoxelMap& map) : both(of), number(its_number) {
+      net::SharingOptions options;
+      options.gossip.self = {its_number + 1, 1};
+      options.store = {4, 1U << 13, std::size_t{4} << 20};
+      sharing = std::make_unique<net::MapSharing>(options, map, *this);
+    }
+    bool send(net::Address, mapper::ByteSpan message) override {
+      both.radio.send(number, net::SimRadio::kEveryStation, message, both.now_ns);
+      return true;
+    }
+    TwoSharers& both;
+    std::uint32_t number;
+    std::unique_ptr<net::MapSharing> sharing;
+    std::uint64_t changed = 0;
+  };
+  explicit TwoSharers(double loss) : radio(2, {loss, 0.0, 0.0, 2'000'000, 1'000'000, 0, 3}) {}
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      now_ns += 10'000'000;
+      radio.deliver(now_ns, [&](std::uint32_t from, std::uint32_t to, mapper::ByteSpan message) {
+        robots[to]->sharing->on_message({from + 1, 1, from + 1}, message, now_ns);
+      });
+      for (auto& robot : robots) robot->changed += robot->sharing->on_time(now_ns).size();
+    }
+  }
+  net::SimRadio radio;
+  hal::TimeNs now_ns = 1'000'000'000;
+  std::array<std::unique_ptr<Robot>, 2> robots;
+};
+
+}  // namespace
+
+TEST_CASE("what one robot has seen comes into the view by which the other drives", "[net]") {
+  const double loss = GENERATE(0.0, 0.3);
+  const auto room = tests::furnished_room(0.1F);
+  mapper::VoxelMap empty(room->grid(), room->capacity());
+  TwoSharers both(loss);
+  both.robots[0] = std::make_unique<TwoSharers::Robot>(both, 0, *room);
+  both.robots[1] = std::make_unique<TwoSharers::Robot>(both, 1, empty);
+  both.robots[0]->sharing->publish_pose({}, both.now_ns);
+  for (std::uint32_t slot = 0; slot < room->slot_end(); ++slot) both.robots[0]->sharing->note_changed(std::array{slot});
+  both.run(600);
+  CHECK(mapper::map_hash(both.robots[1]->sharing->view().map()) == mapper::map_hash(*room));
+  CHECK(both.robots[1]->changed >= room->sorted_keys().size());
+  // Its own layer is no news to who wrote it.
+  CHECK(both.robots[0]->changed == 0);
+  CHECK(both.robots[0]->sharing->others().submap_count() == 0);
+  CHECK(both.robots[0]->sharing->store().digest() == both.robots[1]->sharing->store().digest());
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/merged_map.hpp"
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <vector>
+
+#include "mapper/map_hash.hpp"
+#include "mapper/merge.hpp"
+#include "net/layer_writer.hpp"
+#include "tests/support/gossip_fleet.hpp"
+#include "tests/support/sample_maps.hpp"
+
+using namespace g3d;
+using tests::GossipFleet;
+
+namespace {
+
+constexpr hal::TimeNs kMergeSecond_ns = 1'000'000'000;
+
+net::MergedOptions merged_options(const mapper::VoxelMap& like) {
+  return {like.grid(), {1U << 13, 1U << 13, 1U << 14}, {1U << 12, 1U << 12, 1U << 13}, 8};
+}
+
+void note_all(net::LayerWriter& writer, const mapper::VoxelMap& map) {
+  for (std::uint32_t slot = 0; slot < map.slot_end(); ++slot) writer.note_changed(std::array{slot});
+}
+
+tests::FleetOptions fleet_of(std::uint32_t robots) {
+  tests::FleetOptions options;
+  options.robots = robots;
+  options.store = {8, 1U << 14, std::size_t{8} << 20, 1U << 12};
+  options.radio.loss = 0.2;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("robots whose maps stand anywhere in the world come to the map that merging them at once gives",
+          "[net][merge]") {
+  const std::array<std::unique_ptr<mapper::VoxelMap>, 3> maps{
+      tests::furnished_room(0.1F), tests::random_map(4, 60, 0.1F), tests::random_map(9, 60, 0.1F)};
+  const std::array<hal::Pose, 3> poses{hal::Pose{}, hal::from_xyz_rpy(0.4, -0.2, 0.0, 0.0, 0.0, 0.0),
+                                       hal::from_xyz_rpy(1.33, 0.77, 0.0, 0.0, 0.0, 0.6)};
+  GossipFleet fleet(fleet_of(3));
+  std::vector<std::unique_ptr<net::LayerWriter>> writers;
+  std::vector<std::unique_ptr<net::MergedMap>> merged;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    writers.push_back(std::make_unique<net::LayerWriter>(*maps[i], fleet.gossip(i), fleet.store(i)));
+    merged.push_back(std::make_unique<net::MergedMap>(merged_options(*maps[0])));
+    REQUIRE(writers[i]->publish_pose(poses[i], fleet.now_ns()));
+    note_all(*writers[i], *maps[i]);
+  }
+  // A few blocks at a time, merged as they come.
+  for (int round = 0; round < 40; ++round) {
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      (void)writers[i]->publish_round(2000, fleet.now_ns());
+      merged[i]->update(fleet.store(i));
+    }
+    fleet.run(kMergeSecond_ns / 5);
+  }
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    while (writers[i]->publish_round(1000000, fleet.now_ns()) > 0) {
+    }
+  }
+  REQUIRE(fleet.run_until_equal(30 * kMergeSecond_ns));
+  std::vector<mapper::MergeSource> sources;
+  for (std::size_t i = 0; i < 3; ++i) sources.push_back({maps[i].get(), poses[i], i});
+  const auto at_once = mapper::merge_maps(sources);
+  REQUIRE(at_once);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    INFO("robot " << i);
+    merged[i]->update(fleet.store(i));
+    CHECK(merged[i]->counts().bad_payloads == 0);
+    CHECK(merged[i]->counts().refused_blocks == 0);
+    CHECK(mapper::map_hash(merged[i]->map()) == mapper::map_hash(*at_once.value()));
+  }
+  CHECK(at_once.value()->counts().occupied > 1000);
+}
+
+TEST_CASE("a corrected pose moves a layer, and no block of it travels again", "[net][merge]") {
+  const auto room = tests::furnished_room(0.1F);
+  GossipFleet fleet(fleet_of(2));
+  net::LayerWriter writer(*room, fleet.gossip(0), fleet.store(0));
+  net::MergedMap merged(merged_options(*room));
+  REQUIRE(writer.publish_pose({}, fleet.now_ns()));
+  note_all(writer, *room);
+  (void)writer.publish_round(1000000, fleet.now_ns());
+  REQUIRE(fleet.run_until_equal(30 * kMergeSecond_ns));
+  merged.update(fleet.store(1));
+  CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(*room));
+
+  const std::uint64_t sent_before = fleet.sent_bytes();
+  const hal::Pose corrected = hal::from_xyz_rpy(0.23, -0.4, 0.0, 0.0, 0.0, 0.1);
+  REQUIRE(writer.publish_pose(corrected, fleet.now_ns()));
+  REQUIRE(fleet.run_until_equal(10 * kMergeSecond_ns));
+  CHECK(fleet.sent_bytes() - sent_before < 5000);
+  merged.update(fleet.store(1));
+  CHECK(merged.counts().moved_submaps == 1);
+  const std::array<mapper::MergeSource, 1> source{mapper::MergeSource{room.get(), corrected, 0}};
+  CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(*mapper::merge_maps(source).value()));
+}
+
+TEST_CASE("what changes in a map changes in the merged map, and what is erased is unknown there", "[net][merge]") {
+  auto map = tests::random_map(3, 40, 0.1F);
+  GossipFleet fleet(fleet_of(2));
+  net::LayerWriter writer(*map, fleet.gossip(0), fleet.store(0));
+  net::MergedMap merged(merged_options(*map));
+  REQUIRE(writer.publish_pose({}, fleet.now_ns()));
+  tests::Random random(5);
+  note_all(writer, *map);
+  for (int round = 0; round < 20; ++round) {
+    (void)writer.publish_round(1000000, fleet.now_ns());
+    REQUIRE(fleet.run_until_equal(10 * kMergeSecond_ns));
+    merged.update(fleet.store(1));
+    REQUIRE(mapper::map_hash(merged.map()) == mapper::map_hash(*map));
+    for (int change = 0; change < 5; ++change) {
+      const std::vector<mapper::BlockKey> keys = map->sorted_keys();
+      const mapper::BlockKey key = keys[random.below(static_cast<std::uint32_t>(keys.size()))];
+      const std::uint32_t slot = map->find(key);
+      if (random.below(4) == 0) {
+        (void)map->erase_block(key);
+      } else {
+        mapper::BlockValues values{};
+        (void)map->read_stored_block(key, values);
+        for (int i = 0; i < 30; ++i) values[random.below(512)] = random.below(33);
+        REQUIRE(map->write_block(key, values));
+      }
+      writer.note_changed(std::array{slot});
+    }
+  }
+}
