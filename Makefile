@@ -59,9 +59,11 @@ grouped = $(if $(filter $(1),$(GROUPED)),$(call groups,$(2),$(3)),$(call objects
 OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp
 # Where the time of a frame goes, the last optimisation counts.
 HOT_SRC := $(filter mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
-  nav/column_evidence.cpp,$(LIB_SRC))
+  nav/column_evidence.cpp net/block_wire.cpp net/range_coder.cpp,$(LIB_SRC))
 # Readers of outside data.
 READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
+  $(addprefix net/,block_plain.cpp block_wire.cpp datagram_gate.cpp datagram_seal.cpp fleet_key_file.cpp handshake_message.cpp \
+    range_coder.cpp reconcile_message.cpp set_sketch_wire.cpp sync_message.cpp wire_parts.cpp) \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))
@@ -74,7 +76,7 @@ MAIN_OBJ := $(call objects,$(MAIN_SRC))
 LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KERNEL_OBJ)
 
 # Tests that compute much themselves, or have to answer in time. All others are light.
-COMPUTING_TESTS := $(addprefix tests/,hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
+COMPUTING_TESTS := $(addprefix tests/,net/% hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
   $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
   $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
     inflation_% navigator_% outputs_% robot_% viewpoints_%))

@@ -26,6 +26,7 @@ Examples:
   g3dmap sim --drift 1 --odometry aligned --out out        the same flight with odometry that drifts, corrected
   g3dmap sim --world corridor --laps 2 --drift 1 --odometry aligned --loops --out out
   g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
+  g3dmap sim --world house --robots 3 --loss 0.2 --out out      three explore it together and share their maps
   g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
   g3dmap sim --world house --robots 1 --drift 1 --odometry aligned --out out
   g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
@@ -80,6 +81,17 @@ Example:
   g3dmap replay walk --poses odometry.tum --odometry aligned --out out
 
 POSES is a recording, or a file of poses in TUM's format.)";
+
+constexpr const char* kKeyExamples = R"(
+Examples:
+  g3dmap key --out fleet.key                               a new fleet; copy the file to every robot, mode 0600
+  g3dmap key --show fleet.key                              epoch, fingerprint, who is revoked; never the key
+  g3dmap key --rotate fleet.key                            a new key; robots with the old one are heard until --finish
+  g3dmap key --finish fleet.key                            every robot has the new key: the old one is worth nothing
+  g3dmap key --rotate --shut-out fleet.key                 a robot is in wrong hands: nobody listens to the old key
+  g3dmap key --revoke 00c0ffee fleet.key                   nobody takes what this robot says and maps
+
+Whoever has the key can speak as any robot, so only --shut-out keeps out somebody who has read it.)";
 
 void add_staging_options(CLI::App& command, StagingOptions& staging) {
   command.add_option("--control", staging.control, "Socket for `g3dmap tell`; default: control in the folder of --out");
@@ -245,7 +257,14 @@ int parse_and_run(int argc, char** argv) {
       ->check(CLI::Range(0.1, 240.0));
   sim_command
       ->add_option("--robots", sim.robots, "Robots that explore the world by themselves, instead of a camera path")
-      ->check(CLI::Range(1, 1));
+      ->check(CLI::Range(1, 16));
+  sim_command->add_option("--loss", sim.loss, "Share of what robots send each other that the radio loses")
+      ->check(CLI::Range(0.0, 0.95));
+  sim_command
+      ->add_option("--radio-range", sim.radio_range_m, "How far robots hear each other, in metres; 0: everywhere")
+      ->check(CLI::Range(0.0, 100000.0));
+  sim_command->add_option("--radio-rate", sim.radio_Bps, "Bytes per second that each robot may send")
+      ->check(CLI::Range(2000.0, 1e9));
   sim_command->add_option("--camera", sim.camera, "The robots' cameras as WIDTHxHEIGHT@HZ, such as 160x120@10");
   sim_command->add_option("--drift", sim.drift, "How wrong odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
@@ -309,20 +328,33 @@ int parse_and_run(int argc, char** argv) {
   drift_command->add_option("--seed", drift.seed, "Which drift")->capture_default_str();
   drift_command->add_option("--out", drift.out, "File of poses to write")->required();
 
+  KeyOptions key;
+  CLI::App* key_command = add_command(app, "key", "Make or change the key that makes robots one fleet", kKeyExamples);
+  key_command->add_option("FILE", key.file, "The fleet's key");
+  key_command->add_option("--out", key.out, "Make a new fleet's key; refused if the file is there");
+  key_command->add_flag("--rotate", key.rotate, "A new key for the next epoch; the old one is heard until --finish");
+  key_command->add_flag("--shut-out", key.shut_out, "With --rotate: nobody listens to the old key any more");
+  key_command->add_flag("--finish", key.finish, "Every robot has the new key: forget the old one");
+  key_command->add_option("--revoke", key.revoke, "Robot that nobody listens to any more, in hexadecimal");
+  key_command->add_flag("--show", key.show, "Say what is in it, but for the key");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitBadUsage;
   }
   if (*replay_command) return run_replay(replay, command_line(argc, argv));
-  if (*sim_command)
-    return sim.robots > 0 ? run_explore(sim, command_line(argc, argv)) : run_sim(sim, command_line(argc, argv));
+  if (*sim_command) {
+    const auto run = sim.robots > 1 ? run_team : sim.robots == 1 ? run_explore : run_sim;
+    return run(sim, command_line(argc, argv));
+  }
   if (*run_command) return run_live(live, command_line(argc, argv));
   if (*tell_command) return run_tell(tell);
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);
   if (*drift_command) return run_drift(drift);
+  if (*key_command) return run_key(key);
   return run_mask(mask);
 }
 

@@ -63,6 +63,9 @@ struct SimOptions {
   bool no_noise = false;
   StagingOptions staging;
   int robots = 0;                     ///< above 0: they drive themselves, and there is no camera path
+  double loss = 0.0;                  ///< share of datagrams between robots that the radio loses
+  double radio_range_m = 0.0;         ///< how far robots hear each other; 0: everywhere
+  double radio_Bps = 250'000.0;       ///< what each may send
   std::string camera;                 ///< "WxH@HZ" of the robots' cameras; empty: the board's
   double drift = 0.0;                 ///< how wrong odometry is; 1 is a typical base
   std::string drift_like = "kobuki";  ///< of robots: "kobuki" or "rough"
@@ -117,10 +120,22 @@ struct DriftOptions {
   std::string out;
 };
 
+struct KeyOptions {
+  std::string out;   ///< file to make
+  std::string file;  ///< file that is there, for all that follows
+  bool rotate = false;
+  bool shut_out = false;
+  bool finish = false;
+  std::string revoke;  ///< a robot's id, hexadecimal
+  bool show = false;
+};
+
 int run_replay(const ReplayOptions& options, const std::string& command_line);
 int run_sim(const SimOptions& options, const std::string& command_line);
-/// `sim --robots N`.
+/// `sim --robots 1`.
 int run_explore(const SimOptions& options, const std::string& command_line);
+/// `sim --robots N` with more of them.
+int run_team(const SimOptions& options, const std::string& command_line);
 /// `run`.
 int run_live(const LiveOptions& options, const std::string& command_line);
 int run_tell(const TellOptions& options);
@@ -129,5 +144,6 @@ int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);
 int run_mask(const MaskOptions& options);
 int run_drift(const DriftOptions& options);
+int run_key(const KeyOptions& options);
 
 }  // namespace g3d

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// `g3dmap sim --robots N` with more than one: robots that explore one simulated building together, in lockstep, and
+// share their maps over a simulated radio.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "hal/clock.hpp"
+#include "hal/image/file_bytes.hpp"
+#include "hal/sim/sim_building.hpp"
+#include "main_explore.hpp"
+#include "main_robot.hpp"
+#include "main_save.hpp"
+#include "main_say.hpp"
+#include "main_setup.hpp"
+#include "mapper/block_source.hpp"
+#include "mapper/map_hash.hpp"
+#include "mapper/report.hpp"
+#include "mapper/summary.hpp"
+#include "mapper/version.hpp"
+#include "nav/coverage.hpp"
+#include "nav/exploration_report.hpp"
+#include "nav/outputs.hpp"
+#include "nav/robot.hpp"
+#include "net/map_sharing.hpp"
+#include "net/sim_radio.hpp"
+
+namespace g3d {
+namespace {
+
+constexpr hal::TimeNs kTeamSecond_ns = 1'000'000'000;
+/// After the last robot is home, for what is still on its way.
+constexpr double kTeamSettle_s = 60.0;
+
+/// Radio waves over the floor: so far, and everybody's own luck.
+net::RadioModel radio_model(const SimOptions& options) {
+  net::RadioModel model;
+  model.loss = options.loss;
+  model.late = options.loss > 0.0 ? 0.05 : 0.0;
+  model.doubled = options.loss > 0.0 ? 0.02 : 0.0;
+  model.seed = options.mapping.seed;
+  return model;
+}
+
+class Team {
+ public:
+  Team(hal::SimBuilding& building, const std::vector<nav::RobotConfig>& configs, const SimOptions& options,
+       const hal::Observable& observable, double rate_hz)
+      : building_(building),
+        coverage_(observable),
+        frame_(hal::make_frame(building.camera())),
+        frame_period_ns_(static_cast<hal::TimeNs>(1e9 / rate_hz)),
+        radio_(static_cast<std::uint32_t>(configs.size()), radio_model(options),
+               [this, &options](std::uint32_t from, std::uint32_t to, hal::TimeNs) {
+                 return options.radio_range_m <= 0.0 || distance_m(from, to) <= options.radio_range_m;
+               }) {
+    for (std::uint32_t i = 0; i < configs.size(); ++i) {
+      members_.push_back(std::make_unique<Member>(*this, i, configs[i], clock_, options));
+    }
+  }
+
+  void run(hal::TimeNs limit_ns, bool show_progress) {
+    const hal::TimeNs start_ns = clock_.now();
+    while (!is_stop_requested() && now_ns_ < limit_ns && !all_are_home()) {
+      advance();
+      if (show_progress && now_ns_ % kTeamSecond_ns == 0) show(start_ns);
+    }
+    driving_ns_ = now_ns_;
+    const auto settled_ns = now_ns_ + static_cast<hal::TimeNs>(kTeamSettle_s * 1e9);
+    while (!is_stop_requested() && now_ns_ < settled_ns && !all_hold_the_same()) advance();
+    settle_ns_ = now_ns_ - driving_ns_;
+    if (show_progress) fmt::print(stderr, "\n");
+  }
+
+  struct Member final : net::Link {
+    Member(Team& of, std::uint32_t its_number, const nav::RobotConfig& config, hal::Clock& clock,
+           const SimOptions& options)
+        : team(of),
+          number(its_number),
+          robot(config, clock),
+          sharing(sharing_options(options, number), robot.mapper().map(), *this) {
+      robot.share(&sharing.view());
+      // All maps are in the world's frame: where each begins is known.
+      sharing.publish_pose({}, 0);
+    }
+    static net::SharingOptions sharing_options(const SimOptions& options, std::uint32_t number) {
+      net::SharingOptions sharing;
+      sharing.gossip.self = {number + 1, 1};
+      sharing.gossip.seed = options.mapping.seed;
+      sharing.gossip.bandwidth_Bps = options.radio_Bps;
+      return sharing;
+    }
+    bool send(net::Address to, mapper::ByteSpan message) override {
+      const std::uint32_t station =
+          to == net::kEverybody ? net::SimRadio::kEveryStation : static_cast<std::uint32_t>(to - 1);
+      team.radio_.send(number, station, message, team.now_ns_);
+      return true;
+    }
+    Team& team;
+    std::uint32_t number;
+    nav::Robot robot;
+    net::MapSharing sharing;
+    PlaceError place_error;
+    std::vector<hal::StampedPose> way;
+    std::uint64_t frames = 0;
+    hal::TimeNs next_frame_ns = 0;
+    hal::TimeNs home_ns = 0;
+    double fraction = 0.0;
+  };
+  [[nodiscard]] std::size_t size() const { return members_.size(); }
+  [[nodiscard]] Member& member(std::size_t i) { return *members_[i]; }
+  [[nodiscard]] hal::TimeNs driving_ns() const { return driving_ns_; }
+  [[nodiscard]] hal::TimeNs settle_ns() const { return settle_ns_; }
+  [[nodiscard]] hal::SimBuilding& building() { return building_; }
+  [[nodiscard]] const net::SimRadio& radio() const { return radio_; }
+  [[nodiscard]] bool all_hold_the_same() const {
+    return std::all_of(members_.begin(), members_.end(), [&](const auto& member) {
+      return member->sharing.store().digest() == members_.front()->sharing.store().digest();
+    });
+  }
+
+ private:
+  [[nodiscard]] double distance_m(std::uint32_t a, std::uint32_t b) const {
+    const hal::PlanarPose from = building_.T_world_base(a);
+    const hal::PlanarPose to = building_.T_world_base(b);
+    return std::hypot(from.x_m - to.x_m, from.y_m - to.y_m);
+  }
+  [[nodiscard]] bool all_are_home() const {
+    return std::all_of(members_.begin(), members_.end(),
+                       [](const auto& member) { return member->robot.navigator().mission().is_over(); });
+  }
+
+  /// 20 ms: what the bases say, frames that are due, and the radio.
+  void advance() {
+    now_ns_ += hal::kobuki::kPacketPeriod_ns;
+    building_.advance_to(now_ns_);
+    for (const auto& member : members_) {
+      member->robot.on_line(building_.line(member->number), now_ns_);
+      if (now_ns_ >= member->next_frame_ns) take_frame(*member);
+    }
+    radio_.deliver(now_ns_, [this](std::uint32_t from, std::uint32_t to, mapper::ByteSpan message) {
+      members_[to]->sharing.on_message({from + 1, 1, from + 1}, message, now_ns_);
+    });
+    for (const auto& member : members_) {
+      const auto slots = member->sharing.on_time(now_ns_);
+      if (!slots.empty()) member->robot.on_shared(slots, now_ns_);
+    }
+    if (now_ns_ % kTeamSecond_ns == 0) sample();
+  }
+
+  void take_frame(Member& member) {
+    building_.render(member.number, frame_);
+    frame_.stamp_ns = now_ns_;
+    const std::uint64_t before = member.robot.frames().integrated;
+    if (building_.pass_on(member.number, frame_, now_ns_)) member.robot.on_frame(frame_, now_ns_);
+    if (member.robot.frames().integrated != before) {
+      member.way.push_back({frame_.stamp_ns, *member.robot.last_frame_pose()});
+      member.sharing.note_changed(member.robot.mapper().changed_slots());
+    }
+    ++member.frames;
+    member.next_frame_ns = static_cast<hal::TimeNs>(member.frames) * frame_period_ns_;
+  }
+
+  void sample() {
+    for (const auto& member : members_) {
+      member->place_error.note(building_.T_world_base(member->number), member->robot.T_world_base());
+      nav::Navigator& navigator = member->robot.navigator();
+      member->fraction = coverage_.fraction(navigator.ground().states());
+      navigator.report().note_coverage(member->fraction, now_ns_);
+      if (member->home_ns == 0 && navigator.mission().is_over()) member->home_ns = now_ns_;
+    }
+  }
+
+  void show(hal::TimeNs start_ns) const {
+    const double simulated_s = static_cast<double>(now_ns_) / 1e9;
+    const double real_s = std::max(1e-3, static_cast<double>(clock_.now() - start_ns) / 1e9);
+    std::string text;
+    for (const auto& member : members_) {
+      text += fmt::format("  {}: {:.1f} % {}", member->number + 1, 100.0 * member->fraction,
+                          nav::name_of(member->robot.navigator().mission().state()));
+    }
+    fmt::print(stderr, "\r{:6.0f} s  {:5.1f} x real time{}   ", simulated_s, simulated_s / real_s, text);
+  }
+
+  hal::SimBuilding& building_;
+  nav::CoverageMeter coverage_;
+  hal::RealClock clock_;
+  hal::Frame frame_;
+  hal::TimeNs frame_period_ns_;
+  hal::TimeNs now_ns_ = 0;
+  hal::TimeNs driving_ns_ = 0;
+  hal::TimeNs settle_ns_ = 0;
+  net::SimRadio radio_;
+  std::vector<std::unique_ptr<Member>> members_;
+};
+
+/// The map of all layers that a robot holds, made from the start.
+std::unique_ptr<net::MergedMap> whole_map(Team::Member& member) {
+  net::MergedOptions options;
+  const mapper::VoxelMap& own = member.robot.mapper().map();
+  options.grid = own.grid();
+  options.merged = own.capacity();
+  options.submap = own.capacity();
+  auto merged = std::make_unique<net::MergedMap>(options);
+  merged->take_all(member.sharing.store());
+  return merged;
+}
+
+void write_sharing(mapper::JsonWriter& json, const net::MapSharing& sharing, double run_s) {
+  const net::GossipCounts& counts = sharing.gossip().counts();
+  json.key("sharing").begin_object();
+  json.member("layers", sharing.store().layer_count()).member("records", sharing.store().record_count());
+  json.member("payload_bytes", sharing.store().payload_bytes());
+  json.member("published_blocks", sharing.writer().counts().published_blocks);
+  json.member("published_bytes", sharing.writer().counts().published_bytes);
+  json.member("sent_bytes", counts.all_sent_bytes());
+  json.member("sent_Bps", std::round(run_s > 0.0 ? static_cast<double>(counts.all_sent_bytes()) / run_s : 0.0));
+  json.member("received_messages", counts.received_messages).member("stored_records", counts.stored_records);
+  json.member("superseded_records", counts.superseded_records).member("refused_records", counts.refused_records);
+  json.end_object();
+}
+
+struct MemberEnd {
+  std::string json;
+  nav::Outputs outputs;
+};
+
+/// The robot's own folder: its own map, its way and its report.
+MemberEnd save_member(Team& team, std::size_t i, const ExploreSetup& setup, const SimOptions& options,
+                      const std::string& merged_hash, const std::string& command_line) {
+  Team::Member& member = team.member(i);
+  const nav::ExplorationReport explored = explored_by(member.robot, team.building().record(i), team.driving_ns());
+  const std::vector<hal::Pose> poses = poses_of(member.way);
+  RunFiles files;
+  files.folder = fmt::format("{}/robot{}", options.mapping.out_dir, i + 1);
+  files.patience_s = options.mapping.patience_s;
+  files.way = member.way;
+  files.map = &member.robot.mapper().map();
+  files.options.trajectory = poses;
+  files.options.band = {static_cast<float>(setup.board.ground_low_m), static_cast<float>(setup.board.ground_high_m)};
+  files.options.meta.steps = setup.configs[i].mapper.steps;
+  files.draw = [&](const std::string& path) {
+    return write_picture(explored, member.robot.navigator(), poses, fmt::format("{}, robot {}", setup.place, i + 1),
+                         path);
+  };
+  files.is_given_up = [was = is_stop_requested()] { return !was && is_stop_requested(); };
+  MemberEnd end;
+  if (const auto folder = open_folder(files.folder); !folder) {
+    end.outputs.failures.push_back(folder.error());
+    return end;
+  }
+  end.outputs = save_run(files);
+  mapper::RunReport report = report_of(member.robot, options, setup.board, end.outputs, command_line);
+  report.write_more = [&](mapper::JsonWriter& json) {
+    json.member("id", i + 1).member("merged_hash", merged_hash);
+    nav::write_exploration(json, explored);
+    member.place_error.write(json);
+    write_sharing(json, member.sharing, static_cast<double>(team.driving_ns() + team.settle_ns()) * 1e-9);
+  };
+  end.json = to_json(report);
+  save_report(files, end.json, end.outputs);
+  return end;
+}
+
+}  // namespace
+
+int run_team(const SimOptions& options, const std::string& command_line) {
+  const MappingOptions& mapping = options.mapping;
+  ExploreSetup setup;
+  if (const int code = prepare_exploration(options, setup); code != kExitDone) return code;
+  hal::SimBuilding building(std::move(setup.world), setup.building);
+  Team team(building, setup.configs, options, setup.observable, setup.rate_hz);
+  for (std::size_t i = 0; i < team.size(); ++i) {
+    if (const auto missing = missing_card(team.member(i).robot.mapper(), mapping)) return fail(*missing);
+  }
+  catch_stop_signals();
+  hal::RealClock clock;
+  const hal::TimeNs start_ns = clock.now();
+  team.run(static_cast<hal::TimeNs>(setup.limit_s * 1e9), !mapping.quiet && isatty(STDERR_FILENO) != 0);
+  const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
+
+  std::vector<std::string> hashes;
+  std::unique_ptr<net::MergedMap> merged;
+  for (std::size_t i = 0; i < team.size(); ++i) {
+    auto of_robot = whole_map(team.member(i));
+    hashes.push_back(mapper::map_hash(of_robot->map()));
+    if (i == 0) merged = std::move(of_robot);
+  }
+  std::vector<MemberEnd> ends;
+  std::vector<hal::Error> failures;
+  for (std::size_t i = 0; i < team.size(); ++i) {
+    ends.push_back(save_member(team, i, setup, options, hashes[i], command_line));
+    failures.insert(failures.end(), ends.back().outputs.failures.begin(), ends.back().outputs.failures.end());
+  }
+  // The one map of all, as the first robot has it.
+  nav::OutputOptions output;
+  output.band = {static_cast<float>(setup.board.ground_low_m), static_cast<float>(setup.board.ground_high_m)};
+  output.meta.steps = setup.configs[0].mapper.steps;
+  nav::Outputs outputs = nav::write_outputs(merged->map(), output, mapping.out_dir);
+  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+  const bool are_equal =
+      std::all_of(hashes.begin(), hashes.end(), [&](const std::string& h) { return h == hashes[0]; });
+  const mapper::MapCounts counts = merged->map().counts();
+  mapper::JsonWriter head;
+  head.begin_object().key("map").begin_object().member("resolution_m", setup.board.map_resolution_m);
+  head.member("occupied", counts.occupied).member("free", counts.free).member("hash", hashes[0]);
+  head.member("file_bytes", outputs.map_file_bytes).end_object();
+  head.key("team").begin_object().member("robots", team.size()).member("all_hold_the_same", are_equal);
+  head.member("time_s", static_cast<double>(team.driving_ns()) * 1e-9);
+  head.member("settle_s", static_cast<double>(team.settle_ns()) * 1e-9);
+  head.member("lost_datagrams", team.radio().lost())
+      .member("delivered_datagrams", team.radio().delivered())
+      .end_object();
+  head.end_object();
+  std::string json = head.take();
+  json.erase(json.rfind('}'));
+  json += ", \"robots\": [";
+  for (std::size_t i = 0; i < ends.size(); ++i) json += (i > 0 ? ", " : "") + ends[i].json;
+  json += "]}\n";
+  if (const auto written = hal::write_file_atomic(mapping.out_dir + "/report.json", json); !written) {
+    failures.push_back(written.error());
+  }
+  if (mapping.json) {
+    fmt::print("{}", json);
+  } else if (!mapping.quiet) {
+    for (std::size_t i = 0; i < team.size(); ++i) {
+      fmt::print("robot {}\n{}", i + 1,
+                 nav::exploration_text(explored_by(team.member(i).robot, building.record(i), team.driving_ns())));
+    }
+    fmt::print("{} robots, {:.0f} s in {:.1f} s; {}\n", team.size(), static_cast<double>(team.driving_ns()) * 1e-9,
+               run_s, are_equal ? "all hold the same map: " + hashes[0] : "they do NOT hold the same map yet");
+    for (const mapper::WrittenFile& file : outputs.files) fmt::print("  {}  {}\n", file.path, file.what);
+  }
+  for (const hal::Error& failure : failures) (void)fail(failure.text);
+  return failures.empty() ? kExitDone : kExitFailed;
+}
+
+}  // namespace g3d
