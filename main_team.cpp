@@ -303,6 +303,16 @@ int run_team(const SimOptions& options, const std::string& command_line) {
   output.meta.steps = setup.configs[0].mapper.steps;
   nav::Outputs outputs = nav::write_outputs(merged->map(), output, mapping.out_dir);
   failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
+  // The building as the first one knows it from all, with its own way.
+  const std::vector<hal::Pose> first_way = poses_of(team.member(0).way);
+  const auto picture = write_picture(
+      explored_by(team.member(0).robot, building.record(0), team.driving_ns()), team.member(0).robot.navigator(),
+      first_way, fmt::format("{}, {} robots", setup.place, team.size()), mapping.out_dir + "/exploration.png");
+  if (picture) {
+    outputs.files.push_back(picture.value());
+  } else {
+    failures.push_back(picture.error());
+  }
   const bool are_equal =
       std::all_of(hashes.begin(), hashes.end(), [&](const std::string& h) { return h == hashes[0]; });
   const mapper::MapCounts counts = merged->map().counts();
@@ -322,7 +332,10 @@ int run_team(const SimOptions& options, const std::string& command_line) {
   json += ", \"robots\": [";
   for (std::size_t i = 0; i < ends.size(); ++i) json += (i > 0 ? ", " : "") + ends[i].json;
   json += "]}\n";
-  if (const auto written = hal::write_file_atomic(mapping.out_dir + "/report.json", json); !written) {
+  const std::string report_path = mapping.out_dir + "/report.json";
+  if (const auto written = hal::write_file_atomic(report_path, json); written) {
+    outputs.files.push_back({report_path, "what happened", json.size()});
+  } else {
     failures.push_back(written.error());
   }
   if (mapping.json) {

@@ -48,6 +48,7 @@ TEST_CASE("two robots explore a world over a radio that loses a fifth, and hold 
   CHECK(report_number(out + "/report.json", "lost_datagrams") > 0);
   const std::string whole = map_hash_of(out + "/map.g3d");
   CHECK(count_of(report, "\"merged_hash\": \"" + whole + "\"") == 2);
+  CHECK(read_plain(out + "/exploration.png").size() > 1000);
   // Neither has seen all of it.
   for (const char* robot : {"robot1", "robot2"}) {
     const std::string own = out + "/" + robot;
