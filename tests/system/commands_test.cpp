@@ -158,7 +158,9 @@ TEST_CASE("bad usage is exit code 2 and says what is wrong", "[system][usage]") 
 TEST_CASE("what robots cannot do is bad usage, and says which option and how", "[system][usage][explore]") {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--robots", "0"}, "--robots"},
-      {{"--robots", "2"}, "--robots"},
+      {{"--robots", "17"}, "--robots"},
+      {{"--robots", "2", "--rate", "1"}, "--rate"},
+      {{"--robots", "1", "--loss", "0.1"}, "--loss"},
       {{"--robots", "1", "--camera", "160"}, "--camera '160'"},
       {{"--robots", "1", "--camera", "160x120"}, "160x120@10"},
       {{"--robots", "1", "--camera", "@10x3"}, "--camera"},
