@@ -8,11 +8,11 @@ BUILD ?= build/host
 OPT ?= -O2 -g1
 # Tests are not what we measure.
 TEST_OPT ?= -O1 -g1
-LIGHT_TEST_OPT ?= -O0 -g1
+LIGHT_TEST_OPT ?= $(TEST_OPT)
 SANITIZE ?=
 # What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
 COVERAGE ?=
-# `lib`, `tests` or both: these are compiled by the dozen, which takes half the time from nothing and more after a change.
+# `lib`, `tests` or both: these are compiled by two dozen, which takes less than half the time from nothing and more after a change.
 GROUPED ?=
 CCACHE := $(shell command -v ccache 2>/dev/null)
 # ccache refuses precompiled headers unless told that their time stamps may be trusted.
@@ -25,8 +25,9 @@ WARN := $(WARN_BASE)
 WARN += $(if $(findstring clang,$(CXX)),-Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses,-Wno-restrict -Wno-stringop-overflow)
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
 FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE) $(COVERED)
-# Members of a group are no headers, though they are included; and g++ 12 sees more that is none (bug 105651).
-WARN += $(if $(GROUPED),$(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
+# Members of a group are no headers, though they are included; and g++ 12 sees more that is none (bug 105651). What one
+# has in its file is no business of another's names: `make` compiles file by file and looks at that.
+WARN += $(if $(GROUPED),-Wno-shadow $(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 LIBS := -lpng -ljpeg -lzstd -lsodium -lz
 TEST_LIBS := -loctomap -loctomath
@@ -49,9 +50,9 @@ Q := $(if $(V),,@)
 SAY := @$(if $(V),true,echo)
 
 objects = $(1:%.cpp=$(BUILD)/%.o)
-# $(call grouped,KIND,NAME,SOURCES): their objects, or those of groups of a dozen. NAME-N stands for the Nth last source
+# $(call grouped,KIND,NAME,SOURCES): their objects, or those of groups of two dozen. NAME-N stands for the Nth last source
 # and those after it; what is in a group is in members_NAME-N.
-groups = $(if $(2),$(call group,$(1)-$(words $(2)),$(wordlist 1,12,$(2))) $(call groups,$(1),$(wordlist 13,9999,$(2))))
+groups = $(if $(2),$(call group,$(1)-$(words $(2)),$(wordlist 1,24,$(2))) $(call groups,$(1),$(wordlist 25,9999,$(2))))
 group = $(BUILD)/groups/$(1).o$(eval members_$(1) := $(2))
 grouped = $(if $(filter $(1),$(GROUPED)),$(call groups,$(2),$(3)),$(call objects,$(3)))
 
