@@ -14,7 +14,6 @@
 #include "main_save.hpp"
 #include "main_say.hpp"
 #include "main_setup.hpp"
-#include "mapper/map_hash.hpp"
 #include "mapper/version.hpp"
 
 namespace g3d {
@@ -159,14 +158,9 @@ mapper::RunReport report_of(const nav::Robot& robot, const SimOptions& options, 
   report.stages = {{"integrate", robot.integrate_times()}, {"navigate", robot.navigate_times()}};
   if (robot.placing().aligner() != nullptr) report.stages.push_back({"align", robot.align_times()});
   report.resolution_m = board.map_resolution_m;
-  const mapper::MapCounts counts = robot.mapper().map().counts();
-  report.occupied = counts.occupied;
-  report.free = counts.free;
-  report.memory_bytes = robot.mapper().map().memory().used_bytes;
+  report_map(robot.mapper(), report);
   report.refused_blocks = robot.refused_blocks();
   report.file_bytes = outputs.map_file_bytes;
-  report.hash = mapper::map_hash(robot.mapper().map());
-  report_mapper(robot.mapper(), report);
   report_alignment(robot.placing().aligner(), options.mapping, report);
   if (robot.loops() != nullptr) {
     report.stages.push_back({"loops", robot.loops_times()});

@@ -14,7 +14,6 @@
 #include "main_save.hpp"
 #include "main_say.hpp"
 #include "main_setup.hpp"
-#include "mapper/map_hash.hpp"
 #include "mapper/report.hpp"
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
@@ -51,13 +50,8 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   report.frames = robot.frames();
   report.stages = robot.stages();
   report.resolution_m = board.map_resolution_m;
-  const mapper::MapCounts counts = robot.mapper().map().counts();
-  report.occupied = counts.occupied;
-  report.free = counts.free;
-  report.memory_bytes = robot.mapper().map().memory().used_bytes;
+  report_map(robot.mapper(), report);
   report.refused_blocks = robot.refused_blocks();
-  report.hash = mapper::map_hash(robot.mapper().map());
-  report_mapper(robot.mapper(), report);
   report_alignment(robot.placing().aligner(), options.mapping, report);
   if (robot.loops() != nullptr) report.loops = robot.loops()->report();
   report.command = command_line;

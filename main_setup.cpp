@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "main_setup.hpp"
 
+#include "mapper/map_hash.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,6 +76,15 @@ void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report) {
       fmt::format("{} frames by {}, {} by the processor", card.frames_on_card, card.name, card.frames_on_cpu);
   if (card.losses > 0) note += fmt::format("; the card was lost {} times, at last: {}", card.losses, card.problem);
   report.notes.push_back(std::move(note));
+}
+
+void report_map(const mapper::Mapper& mapper, mapper::RunReport& report) {
+  const mapper::MapCounts counts = mapper.map().counts();
+  report.occupied = counts.occupied;
+  report.free = counts.free;
+  report.memory_bytes = mapper.map().memory().used_bytes;
+  report.hash = mapper::map_hash(mapper.map());
+  report_mapper(mapper, report);
 }
 
 std::optional<mapper::align::AlignOptions> align_options(const MappingOptions& options) {

@@ -26,6 +26,8 @@ namespace g3d {
 [[nodiscard]] std::optional<std::string> missing_card(const mapper::Mapper& mapper, const MappingOptions& options);
 /// Says in the report where the map was computed.
 void report_mapper(const mapper::Mapper& mapper, mapper::RunReport& report);
+/// The same, and what is in a map that lies in memory as a whole.
+void report_map(const mapper::Mapper& mapper, mapper::RunReport& report);
 /// T_base_camera of the camera as the board has it mounted.
 [[nodiscard]] hal::Pose mount_pose(const board::Board& board);
 /// `text`: "X0,Y0,X1,Y1" in metres, or empty for none. `option` is what errors (bad_usage) call it.

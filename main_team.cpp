@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hal/clock.hpp"
-#include "hal/image/file_bytes.hpp"
+#include "hal/sim/disk_faults.hpp"
 #include "hal/sim/sim_building.hpp"
 #include "main_explore.hpp"
 #include "main_robot.hpp"
@@ -114,6 +114,7 @@ class Team {
   };
   [[nodiscard]] std::size_t size() const { return members_.size(); }
   [[nodiscard]] Member& member(std::size_t i) { return *members_[i]; }
+  [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] hal::TimeNs driving_ns() const { return driving_ns_; }
   [[nodiscard]] hal::TimeNs settle_ns() const { return settle_ns_; }
   [[nodiscard]] hal::SimBuilding& building() { return building_; }
@@ -225,6 +226,19 @@ void write_sharing(mapper::JsonWriter& json, const net::MapSharing& sharing, dou
   json.end_object();
 }
 
+/// What is saved of a robot wherever it goes; the map, the picture and what is drawn into it are still to be said.
+RunFiles member_files(const Team::Member& member, const ExploreSetup& setup, const SimOptions& options,
+                      const std::string& folder) {
+  RunFiles files;
+  files.folder = folder;
+  files.patience_s = options.mapping.patience_s;
+  files.way = member.way;
+  files.options.band = {static_cast<float>(setup.board.ground_low_m), static_cast<float>(setup.board.ground_high_m)};
+  files.options.meta.steps = setup.configs[member.number].mapper.steps;
+  files.is_given_up = [was = is_stop_requested()] { return !was && is_stop_requested(); };
+  return files;
+}
+
 struct MemberEnd {
   std::string json;
   nav::Outputs outputs;
@@ -236,19 +250,13 @@ MemberEnd save_member(Team& team, std::size_t i, const ExploreSetup& setup, cons
   Team::Member& member = team.member(i);
   const nav::ExplorationReport explored = explored_by(member.robot, team.building().record(i), team.driving_ns());
   const std::vector<hal::Pose> poses = poses_of(member.way);
-  RunFiles files;
-  files.folder = fmt::format("{}/robot{}", options.mapping.out_dir, i + 1);
-  files.patience_s = options.mapping.patience_s;
-  files.way = member.way;
+  RunFiles files = member_files(member, setup, options, fmt::format("{}/robot{}", options.mapping.out_dir, i + 1));
   files.map = &member.robot.mapper().map();
   files.options.trajectory = poses;
-  files.options.band = {static_cast<float>(setup.board.ground_low_m), static_cast<float>(setup.board.ground_high_m)};
-  files.options.meta.steps = setup.configs[i].mapper.steps;
   files.draw = [&](const std::string& path) {
     return write_picture(explored, member.robot.navigator(), poses, fmt::format("{}, robot {}", setup.place, i + 1),
                          path);
   };
-  files.is_given_up = [was = is_stop_requested()] { return !was && is_stop_requested(); };
   MemberEnd end;
   if (const auto folder = open_folder(files.folder); !folder) {
     end.outputs.failures.push_back(folder.error());
@@ -281,8 +289,14 @@ int run_team(const SimOptions& options, const std::string& command_line) {
   catch_stop_signals();
   hal::RealClock clock;
   const hal::TimeNs start_ns = clock.now();
+  // As for one robot: by simulated time, and by the real one while what was mapped is saved.
+  hal::TimeNs end_ns = 0;
+  const auto disk_time = [&] { return team.now_ns() + (end_ns > 0 ? clock.now() - end_ns : 0); };
+  hal::DiskFaults bad_disk(setup.staging.faults, disk_time);
+  const hal::DiskInstead disk_instead(bad_disk);
   team.run(static_cast<hal::TimeNs>(setup.limit_s * 1e9), !mapping.quiet && isatty(STDERR_FILENO) != 0);
-  const double run_s = static_cast<double>(clock.now() - start_ns) / 1e9;
+  end_ns = clock.now();
+  const double run_s = static_cast<double>(end_ns - start_ns) / 1e9;
 
   std::vector<std::string> hashes;
   std::unique_ptr<net::MergedMap> merged;
@@ -297,22 +311,16 @@ int run_team(const SimOptions& options, const std::string& command_line) {
     ends.push_back(save_member(team, i, setup, options, hashes[i], command_line));
     failures.insert(failures.end(), ends.back().outputs.failures.begin(), ends.back().outputs.failures.end());
   }
-  // The one map of all, as the first robot has it.
-  nav::OutputOptions output;
-  output.band = {static_cast<float>(setup.board.ground_low_m), static_cast<float>(setup.board.ground_high_m)};
-  output.meta.steps = setup.configs[0].mapper.steps;
-  nav::Outputs outputs = nav::write_outputs(merged->map(), output, mapping.out_dir);
-  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
-  // The building as the first one knows it from all, with its own way.
-  const std::vector<hal::Pose> first_way = poses_of(team.member(0).way);
-  const auto picture = write_picture(
-      explored_by(team.member(0).robot, building.record(0), team.driving_ns()), team.member(0).robot.navigator(),
-      first_way, fmt::format("{}, {} robots", setup.place, team.size()), mapping.out_dir + "/exploration.png");
-  if (picture) {
-    outputs.files.push_back(picture.value());
-  } else {
-    failures.push_back(picture.error());
-  }
+  // Above them the one map of all, as the first robot holds it, with its own way.
+  Team::Member& first = team.member(0);
+  const std::vector<hal::Pose> first_way = poses_of(first.way);
+  RunFiles files = member_files(first, setup, options, mapping.out_dir);
+  files.map = &merged->map();
+  files.draw = [&](const std::string& path) {
+    return write_picture(explored_by(first.robot, building.record(0), team.driving_ns()), first.robot.navigator(),
+                         first_way, fmt::format("{}, {} robots", setup.place, team.size()), path);
+  };
+  nav::Outputs outputs = save_run(files);
   const bool are_equal =
       std::all_of(hashes.begin(), hashes.end(), [&](const std::string& h) { return h == hashes[0]; });
   const mapper::MapCounts counts = merged->map().counts();
@@ -330,14 +338,12 @@ int run_team(const SimOptions& options, const std::string& command_line) {
   std::string json = head.take();
   json.erase(json.rfind('}'));
   json += ", \"robots\": [";
-  for (std::size_t i = 0; i < ends.size(); ++i) json += (i > 0 ? ", " : "") + ends[i].json;
-  json += "]}\n";
-  const std::string report_path = mapping.out_dir + "/report.json";
-  if (const auto written = hal::write_file_atomic(report_path, json); written) {
-    outputs.files.push_back({report_path, "what happened", json.size()});
-  } else {
-    failures.push_back(written.error());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    json += (i > 0 ? ", " : "") + (ends[i].json.empty() ? "null" : ends[i].json);
   }
+  json += "]}\n";
+  save_report(files, json, outputs);
+  failures.insert(failures.end(), outputs.failures.begin(), outputs.failures.end());
   if (mapping.json) {
     fmt::print("{}", json);
   } else if (!mapping.quiet) {

@@ -221,6 +221,12 @@ void Gossip::on_time(hal::TimeNs now_ns) {
   }
   ask_if_puzzled(now_ns);
   reconciler_.on_time(now_ns);
+  // Whatever still differs is ours: it is for the other to ask.
+  if (const auto finished = reconciler_.take_finished()) {
+    if (Peer* peer = members_.find(finished->peer); peer != nullptr) {
+      peer->known[finished->layer].taken_hash = finished->their_content;
+    }
+  }
   send_data(now_ns);
 }
 
@@ -325,8 +331,6 @@ void Gossip::reconcile_with(Peer& peer, hal::TimeNs now_ns) {
     if (known.content_hash == 0 || layer == own_ || known.content_hash == store_.content_hash(layer)) continue;
     if (LayerSources::has_more(store_, peer, layer) || now_ns - stored_ns_ < kGossipPuzzled_ns) continue;
     if (known.content_hash == known.taken_hash) continue;
-    // Whatever differs after this is ours: it is for the other to ask.
-    known.taken_hash = known.content_hash;
     return reconciler_.begin(peer.robot, layer, now_ns);
   }
 }

@@ -8,7 +8,8 @@
 // may start anew: nothing is applied but whole records, and the newest stands. If two have the same versions of a layer
 // and yet not the same records (a writer died between two of them), they find out what each lacks (reconciler.hpp).
 //
-// No threads, no clock, nothing allocated after construction: whoever owns the link calls it, with the time.
+// No threads, no clock, nothing allocated but when a robot is heard for the first time: whoever owns the link calls it,
+// with the time.
 #pragma once
 
 #include <array>
@@ -69,8 +70,7 @@ class Gossip {
   Gossip(const GossipOptions& options, LayerStore& store, Link& link);
 
   /// A record of our own layer, of the next version. False if the store has no room, or it is longer than
-  /// kMostPayload_bytes. What was published is on its way
-  /// after commit().
+  /// kMostPayload_bytes. What was published is on its way after commit().
   bool publish(RecordKey key, Lane lane, mapper::ByteSpan payload);
   void commit(hal::TimeNs now_ns);
 

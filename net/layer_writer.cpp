@@ -62,14 +62,12 @@ void LayerWriter::collect() {
 }
 
 bool LayerWriter::publish(const Due& due, std::size_t& bytes) {
-  Lane lane = due.lane;
   if (due.is_gone) {
     values_.fill(mapper::kUnknownRgbo);
   } else {
     mapper::BlockKey key = 0;
     // It may have left since: then it is noted again.
     if (!map_.copy_block(due.slot, key, values_) || key != due.key) return true;
-    lane = lane_of(key, values_, map_.grid(), band_);
   }
   const std::span<const PackedPart> parts = packer_.pack_within(values_, kMostPayload_bytes);
   const bool is_told = std::all_of(parts.begin(), parts.end(), [&](const PackedPart& part) {
@@ -79,7 +77,7 @@ bool LayerWriter::publish(const Due& due, std::size_t& bytes) {
     ++counts_.unchanged_blocks;
   } else {
     for (const PackedPart& part : parts) {
-      if (!gossip_.publish(block_record(submap_, due.key, part.part), lane, part.bytes)) return false;
+      if (!gossip_.publish(block_record(submap_, due.key, part.part), due.lane, part.bytes)) return false;
       bytes += part.bytes.size();
     }
     ++counts_.published_blocks;

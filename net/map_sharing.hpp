@@ -5,7 +5,7 @@
 //   own map ─changed blocks─▶ LayerWriter ─▶ LayerStore ◀─▶ Gossip ◀─▶ radio
 //      └──────▶ SharedView ◀── MergedMap of the others' layers ◀──┘
 //
-// All calls from one thread, but for what LayerWriter says. Memory is sized at construction.
+// All calls from one thread, but for what LayerWriter says. Merging allocates: see MergedMap.
 #pragma once
 
 #include <cstdint>

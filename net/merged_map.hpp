@@ -4,8 +4,8 @@
 // records has the same map, in whatever order they came. Kept up to date block by block; what an update costs depends
 // on what has changed.
 //
-// A submap whose pose is not known yet waits. Memory is sized at construction: address space for each submap as large
-// as one map. One thread.
+// A submap whose pose is not known yet waits. Each takes address space for as much as one map may hold when it is first
+// heard of, and an update allocates: not for a thread on the way from camera to base. One thread.
 #pragma once
 
 #include <cstdint>

@@ -26,17 +26,14 @@ void OutgoingStream::on_want(const LayerStore& store, std::uint32_t last_seen, s
                              hal::TimeNs now_ns) {
   // Words may overtake each other: the newest counts. But who has lost its memory of us begins again with nothing.
   if (word_ns_ != kNoWord && distance(last_seen_, last_seen) < 0 && now_ns - word_ns_ < kMostPatience_ns) return;
-  std::array<Subscription, kMostPositionsInMessage> wanted{};
-  std::size_t count = 0;
+  subscription_count_ = 0;
   for (const LayerPosition& position : positions) {
     const LayerIndex layer = store.find(position.id);
-    if (layer == kNoLayer || count == wanted.size()) continue;
-    wanted[count++] = {layer, position.had};
+    if (layer == kNoLayer || subscription_count_ == subscriptions_.size()) continue;
+    subscriptions_[subscription_count_++] = {layer, position.had};
   }
   last_seen_ = last_seen;
   word_ns_ = now_ns;
-  subscriptions_ = wanted;
-  subscription_count_ = count;
   silences_ = 0;
   resolve(last_seen, now_ns);
 }

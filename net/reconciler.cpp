@@ -204,7 +204,7 @@ MessageFault Reconciler::on_records(RobotId from, mapper::ByteSpan message, hal:
 void Reconciler::refuse() {
   // Too much is missing for this to be cheaper than asking for everything.
   store_.set_unclaimed(open_->layer, false);
-  end(counts_.ended_refused);
+  finish(counts_.ended_refused);
 }
 
 void Reconciler::end_equal() {
@@ -214,7 +214,7 @@ void Reconciler::end_equal() {
     (void)store_.add_had(open_->layer, lane, {0, theirs.upto()});
     for (const VersionRange& range : theirs.beyond()) (void)store_.add_had(open_->layer, lane, range);
   }
-  end(counts_.ended_equal);
+  finish(counts_.ended_equal);
 }
 
 }  // namespace g3d::net

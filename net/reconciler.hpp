@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hal/messages.hpp"
@@ -56,6 +57,14 @@ class Reconciler {
   void on_time(hal::TimeNs now_ns);
   /// A message of a ReconcileKind.
   [[nodiscard]] MessageFault on_message(RobotId from, mapper::ByteSpan message, hal::TimeNs now_ns);
+  /// The last exchange that need not be repeated: we hold all that the peer held then, or it is not to be had this way.
+  /// Nothing if it was taken already; one that was broken off leaves none.
+  struct Finished {
+    RobotId peer = 0;
+    LayerIndex layer = kNoLayer;
+    std::uint64_t their_content = 0;
+  };
+  [[nodiscard]] std::optional<Finished> take_finished() { return std::exchange(finished_, std::nullopt); }
   [[nodiscard]] const ReconcilerCounts& counts() const { return counts_; }
 
  private:
@@ -78,6 +87,10 @@ class Reconciler {
   void ask(hal::TimeNs now_ns);
   void ask_for_symbols(std::uint32_t first, std::uint32_t end);
   void ask_for_records();
+  void finish(std::uint64_t& count) {
+    finished_ = Finished{open_->peer, open_->layer, open_->their_content.value_or(0)};
+    end(count);
+  }
   void end(std::uint64_t& count) {
     ++count;
     open_.reset();
@@ -93,6 +106,7 @@ class Reconciler {
   ReconcilerCounts counts_;
   SketchDecoder decoder_;
   std::optional<Exchange> open_;
+  std::optional<Finished> finished_;
   std::vector<SketchId> lacking_;  ///< ascending; reserved
   std::uint64_t exchanges_ = 0;
   WireWriter out_;

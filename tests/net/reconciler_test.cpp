@@ -80,6 +80,11 @@ TEST_CASE("two holders of a layer learn what each lacks, at the cost of what dif
   two.run();
   const net::ReconcilerCounts& counts = two.here->counts();
   CHECK(counts.ended_equal == 1);
+  const auto finished = two.here->take_finished();
+  REQUIRE(finished);
+  CHECK(finished->peer == kThere);
+  CHECK(finished->their_content == two.there_store.content_hash(two.layer_there));
+  CHECK_FALSE(two.here->take_finished());
   CHECK(counts.differences == counts.recovered_records);
   CHECK(counts.recovered_records >= missing);
   CHECK(counts.asked_symbols <= 16 + 2 * counts.differences);
@@ -116,6 +121,7 @@ TEST_CASE("an exchange ends when the layer changes under it, when too much diffe
   two.here->begin(kThere, two.layer_here, two.now_ns);
   two.run();
   CHECK(two.here->counts().ended_refused == 1);
+  CHECK(two.here->take_finished());
   CHECK_FALSE(two.here_store.is_unclaimed(two.layer_here));
 
   for (net::Version v = 1; v <= 280; ++v) two.put(two.here_store, two.layer_here, v);
@@ -128,4 +134,6 @@ TEST_CASE("an exchange ends when the layer changes under it, when too much diffe
   two.here->begin(kThere, two.layer_here, two.now_ns);
   two.run();
   CHECK(two.here->counts().ended_silent == 1);
+  // What was broken off is to be tried again.
+  CHECK_FALSE(two.here->take_finished());
 }
