@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/pool.hpp"
 
+#include <sys/mman.h>
+
+#include <array>
 #include <catch2/catch.hpp>
 #include <set>
 #include <vector>
@@ -25,6 +28,20 @@ TEST_CASE("reserving far more than there is memory costs nothing until it is tou
   ReservedArray<std::uint8_t> array(std::size_t{1} << 36);  // 64 GiB
   array[(std::size_t{1} << 36) - 1] = 7;
   CHECK(array[(std::size_t{1} << 36) - 1] == 7);
+}
+
+TEST_CASE("what is touched is in memory, and holds what it held") {
+  constexpr std::size_t kPage_bytes = 4096;
+  ReservedArray<std::uint8_t> array(64 * kPage_bytes);
+  array[5] = 9;
+  array.touch(16 * kPage_bytes);
+  std::array<unsigned char, 64> is_resident{};
+  REQUIRE(mincore(array.data(), 64 * kPage_bytes, is_resident.data()) == 0);
+  for (std::size_t page = 0; page < 16; ++page) CHECK((is_resident[page] & 1U) == 1U);
+  CHECK(array[5] == 9);
+  array.touch(array.size_bytes() * 2);  // no more than there is
+  CHECK(array[5] == 9);
+  CHECK(array[64 * kPage_bytes - 1] == 0);
 }
 
 TEST_CASE("a pool hands out each slot once and says when it is full") {
