@@ -101,6 +101,7 @@ GateTaken DatagramGate::take_data(const Opener::Opened& opened, std::uint64_t so
   taken.verdict = GateVerdict::deliver;
   taken.robot = known->robot;
   taken.incarnation = known->incarnation;
+  taken.session = known->session;
   taken.plaintext = opened.plaintext;
   return taken;
 }

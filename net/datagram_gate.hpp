@@ -52,6 +52,7 @@ struct GateTaken {
   GateRefusal reason = GateRefusal::count_;
   std::uint64_t robot = 0;
   std::uint64_t incarnation = 0;
+  std::uint64_t session = 0;  ///< of a delivery: another one at each start of its sender
   std::span<const std::uint8_t> plaintext{};
   std::span<const std::uint8_t> answer{};
 };
