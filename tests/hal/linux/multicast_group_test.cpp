@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/multicast_group.hpp"
 
+#include <poll.h>
+
 #include <catch2/catch.hpp>
 #include <vector>
 
@@ -47,6 +49,8 @@ TEST_CASE("an interface that went is left, and joined again when it is back") {
     const auto is_heard = [&] {
       const hal::Ipv4Endpoint to{kGroup_ipv4, socket->bound().port};
       for (const hal::Leaving& leaving : group.joined()) (void)socket->send(to, word, leaving);
+      pollfd wait{socket->fd(), POLLIN, 0};
+      (void)::poll(&wait, 1, 20);
       return socket->receive().has_value();
     };
     for (std::uint64_t times = 1; times <= 3; ++times) {
