@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // No thread of the pipeline allocates after the start. This program's malloc counts calls while it is armed, from every
 // thread and out of every library.
+#include <unistd.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <string>
 
 #include "hal/replay/recorded_poses.hpp"
 #include "hal/replay/replay_camera.hpp"
@@ -16,7 +19,10 @@
 #include "mapper/run_sink.hpp"
 #include "mapper/submaps/driving_loops.hpp"
 #include "mapper/submaps/stretch_recorder.hpp"
+#include "net/fleet_radio.hpp"
+#include "net/udp_port.hpp"
 #include "tests/support/corridor_walk.hpp"
+#include "tests/support/gate_fleet.hpp"
 #include "tests/support/log_folder.hpp"
 #include "tests/support/looped_drive.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -232,4 +238,73 @@ TEST_CASE("recording what becomes a submap allocates nothing, however many frame
   this_thread_armed = false;
   CHECK(is_taken);
   CHECK(allocations.load() == 0);
+}
+
+namespace {
+
+/// A robot as far as sharing goes, in real sockets.
+struct SharingRobot {
+  SharingRobot(const net::FleetKey& keys, std::uint64_t id, std::unique_ptr<net::UdpPort> its_port)
+      : port(std::move(its_port)),
+        gate(test::copy_of(keys), {.robot = id, .incarnation = 1}),
+        radio(gate, *port),
+        store({4, 1U << 10, 1U << 18}),
+        gossip(options_of(id), store, radio) {}
+  static net::GossipOptions options_of(std::uint64_t id) {
+    net::GossipOptions options;
+    options.self = {id, 1};
+    options.seed = id;
+    return options;
+  }
+  void step(hal::TimeNs now_ns) {
+    (void)radio.receive(now_ns, [&](const net::Sender& sender, mapper::ByteSpan message) {
+      gossip.on_message(sender, message, now_ns);
+    });
+    gossip.on_time(now_ns);
+  }
+  std::unique_ptr<net::UdpPort> port;
+  net::DatagramGate gate;
+  net::FleetRadio radio;
+  net::LayerStore store;
+  net::Gossip gossip;
+};
+
+}  // namespace
+
+TEST_CASE("sharing in real sockets allocates nothing once the robots know each other", "[system][allocation]") {
+  const net::FleetKey keys = net::generate_fleet_key();
+  net::UdpPortOptions options;
+  options.interface = "lo";
+  options.port = 0;
+  options.group = "239.255.72." + std::to_string(1 + ::getpid() % 250);
+  auto port_a = net::UdpPort::open(options), port_b = net::UdpPort::open(options);
+  REQUIRE(port_a);
+  REQUIRE(port_b);
+  SharingRobot a(keys, 1, std::move(port_a).value()), b(keys, 2, std::move(port_b).value());
+  hal::TimeNs now_ns = 0;
+  const auto run = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      now_ns += 10 * hal::kMillisecond_ns;
+      if (i % 20 == 0) {
+        const std::uint8_t payload[2] = {static_cast<std::uint8_t>(i), 7};
+        (void)a.gossip.publish(net::block_record(0, 100 + static_cast<std::uint64_t>(i), net::Part::whole),
+                               net::Lane::ground, payload);
+        a.gossip.commit(now_ns);
+      }
+      for (SharingRobot* robot : {&a, &b}) robot->step(now_ns);
+    }
+  };
+  run(300);
+  REQUIRE(b.gossip.members().all().size() == 1);
+  const std::uint64_t before = b.radio.counts().delivered;
+  allocations.store(0);
+  this_thread_armed = true;
+  run(2000);
+  a.port->refresh();
+  (void)b.port->wait(0);
+  this_thread_armed = false;
+  CHECK(allocations.load() == 0);
+  CHECK(b.radio.counts().delivered > before + 100);
+  run(100);
+  CHECK(a.store.digest() == b.store.digest());
 }
