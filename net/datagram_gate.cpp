@@ -50,7 +50,8 @@ GateTaken DatagramGate::refuse(GateRefusal reason) {
 }
 
 // A known session that speaks from where it last did pays for itself, apart from all else that seems to come from
-// there: who forges a robot's address does not silence it, nor does who copies its session, unless it does both.
+// there: who forges a robot's address does not silence it, nor does who copies its session. Who does both can only by
+// as many datagrams as a robot may send: its forgeries are not charged, or twenty a second would do.
 std::uint64_t DatagramGate::payer(const Envelope& envelope, std::uint64_t source, hal::TimeNs now_ns,
                                   RateClass& rate_class) {
   const KnownSession* const known = sessions_.find(envelope.session, now_ns);
@@ -75,7 +76,7 @@ GateTaken DatagramGate::take(std::span<const std::uint8_t> datagram, std::uint64
   }
   const Opener::Opened opened = opener_.open(datagram, opened_);
   if (opened.envelope.verdict != OpenVerdict::opened) {
-    datagram_limit_.charge_forged(payer_of, now_ns);
+    if (rate_class == RateClass::stranger) datagram_limit_.charge_forged(payer_of, now_ns);
     return refuse(refusal_of(opened.envelope.verdict));
   }
   return envelope.kind.handshake ? take_handshake(opened, source, now_ns) : take_data(opened, source, now_ns);

@@ -15,6 +15,7 @@ namespace g3d::hal {
 namespace {
 
 constexpr std::size_t kBatchDatagrams = 32;
+constexpr int kMostBatchesAtOnce = 8;
 /// Larger ones travel in pieces, of which every one must arrive.
 constexpr std::size_t kMostUdp_bytes = 65507;
 constexpr std::size_t kOverflowControl_bytes = CMSG_SPACE(sizeof(std::uint32_t));
@@ -197,26 +198,34 @@ void UdpSocket::read_batch() {
 }
 
 std::optional<UdpSocket::Received> UdpSocket::receive() {
-  if (batch_next_ == batch_count_) read_batch();
-  while (batch_next_ < batch_count_) {
-    const std::size_t at = batch_next_++;
-    mmsghdr& one = batch_->headers[at];
-    for (cmsghdr* header = CMSG_FIRSTHDR(&one.msg_hdr); header != nullptr; header = CMSG_NXTHDR(&one.msg_hdr, header)) {
-      if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SO_RXQ_OVFL) continue;
-      std::uint32_t total = 0;
-      std::memcpy(&total, CMSG_DATA(header), sizeof total);
-      note_overflow(total);
+  // A batch of nothing but what is dropped is followed by another one, or a flood of them would hide all else.
+  for (int batches = 0; batches < kMostBatchesAtOnce; ++batches) {
+    if (batch_next_ == batch_count_) read_batch();
+    if (batch_count_ == 0) break;
+    while (batch_next_ < batch_count_) {
+      if (const auto received = take(batch_next_++)) return received;
     }
-    const Ipv4Endpoint from = endpoint_of(batch_->from[at]);
-    if ((one.msg_hdr.msg_flags & MSG_TRUNC) != 0) {
-      ++counts_.too_long;
-    } else if (one.msg_hdr.msg_namelen != sizeof(sockaddr_in) || from.port == 0 || from.ipv4 == 0) {
-      ++counts_.no_return;
-    } else {
-      ++counts_.received;
-      counts_.received_bytes += one.msg_len;
-      return Received{from, {batch_->bytes.data() + at * most_datagram_bytes_, one.msg_len}};
-    }
+  }
+  return std::nullopt;
+}
+
+std::optional<UdpSocket::Received> UdpSocket::take(std::size_t at) {
+  mmsghdr& one = batch_->headers[at];
+  for (cmsghdr* header = CMSG_FIRSTHDR(&one.msg_hdr); header != nullptr; header = CMSG_NXTHDR(&one.msg_hdr, header)) {
+    if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t total = 0;
+    std::memcpy(&total, CMSG_DATA(header), sizeof total);
+    note_overflow(total);
+  }
+  const Ipv4Endpoint from = endpoint_of(batch_->from[at]);
+  if ((one.msg_hdr.msg_flags & MSG_TRUNC) != 0) {
+    ++counts_.too_long;
+  } else if (one.msg_hdr.msg_namelen != sizeof(sockaddr_in) || from.port == 0 || from.ipv4 == 0) {
+    ++counts_.no_return;
+  } else {
+    ++counts_.received;
+    counts_.received_bytes += one.msg_len;
+    return Received{from, {batch_->bytes.data() + at * most_datagram_bytes_, one.msg_len}};
   }
   return std::nullopt;
 }

@@ -59,7 +59,7 @@ class UdpSocket {
     Ipv4Endpoint from;
     std::span<const std::uint8_t> datagram;  ///< valid until the next receive()
   };
-  /// The next datagram; nothing if none is there.
+  /// The next datagram; nothing if none is there, or hundreds of others that were dropped.
   [[nodiscard]] std::optional<Received> receive();
   /// How many are left of the batch that was read last: receive() hands them over without asking the kernel.
   [[nodiscard]] std::size_t left_in_batch() const { return batch_count_ - batch_next_; }
@@ -75,6 +75,7 @@ class UdpSocket {
   UdpSocket(int fd, const UdpSocketOptions& options);
   [[nodiscard]] Result<void> configure(const UdpSocketOptions& options);
   void read_batch();
+  [[nodiscard]] std::optional<Received> take(std::size_t at);
   void note_overflow(std::uint32_t total);
 
   const int fd_;

@@ -250,6 +250,23 @@ TEST_CASE("who forges a robot's address does not silence it") {
   CHECK(heard == 1000);
 }
 
+TEST_CASE("who forges a robot's address and its session as well does not silence it, unless by thousands a second") {
+  const FleetKey keys = generate_fleet_key();
+  GateRobot a(keys, 1), b(keys, 2);
+  Air air;
+  (void)air.say(a, b, "x", 0);
+  const DatagramBytes noise = flipped(seal_text(a, "x", 0), 200);
+  const int per_ms = GENERATE(3, 50);
+  int heard = 0;
+  for (int ms = 0; ms < 1000; ++ms) {
+    for (int i = 0; i < per_ms; ++i) (void)b.gate.take(noise, a.source, ms * kMs);
+    heard += air.say(a, b, "x", ms * kMs) ? 1 : 0;
+  }
+  if (per_ms == 3) CHECK(heard == 1000);
+  // And what he can make us open is bounded.
+  CHECK(b.gate.counts()[GateRefusal::forged] <= 5000);
+}
+
 TEST_CASE("a flood from many sources costs a bounded number of decryptions, and known robots go on") {
   const FleetKey keys = generate_fleet_key(), foreign_keys = generate_fleet_key();
   GateRobot a(keys, 1), b(keys, 2), foreign(foreign_keys, 3);

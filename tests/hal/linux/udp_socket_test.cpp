@@ -84,6 +84,20 @@ TEST_CASE("a datagram that is too long is dropped whole and counted, and those a
   CHECK(b->counts().received == 3);
 }
 
+TEST_CASE("a flood of what is too long does not hide a datagram behind it") {
+  UdpSocketOptions large = here();
+  large.receive_buffer_bytes = 4 << 20;
+  const auto a = opened(here()), b = opened(large);
+  for (std::size_t i = 0; i < 100; ++i) REQUIRE(a->send(b->bound(), numbered(1300, i)));
+  REQUIRE(a->send(b->bound(), numbered(10, 1)));
+  pollfd wait{b->fd(), POLLIN, 0};
+  REQUIRE(::poll(&wait, 1, 2000) == 1);
+  const auto received = b->receive();
+  REQUIRE(received);
+  CHECK(received->datagram.size() == 10);
+  CHECK(b->counts().too_long == 100);
+}
+
 TEST_CASE("what the kernel had to drop is counted") {
   UdpSocketOptions small = here();
   small.receive_buffer_bytes = 8192;
