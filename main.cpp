@@ -89,7 +89,8 @@ Examples:
   g3dmap key --rotate fleet.key                            a new key; robots with the old one are heard until --finish
   g3dmap key --finish fleet.key                            every robot has the new key: the old one is worth nothing
   g3dmap key --rotate --shut-out fleet.key                 a robot is in wrong hands: nobody listens to the old key
-  g3dmap key --revoke 00c0ffee fleet.key                   nobody takes what this robot says and maps
+  g3dmap key --revoke 00c0ffee fleet.key                   nobody takes what this robot says any more
+  g3dmap key --drop 00c0ffee fleet.key                     the same, and nobody keeps what it has mapped
 
 Whoever has the key can speak as any robot, so only --shut-out keeps out somebody who has read it.)";
 
@@ -336,6 +337,7 @@ int parse_and_run(int argc, char** argv) {
   key_command->add_flag("--shut-out", key.shut_out, "With --rotate: nobody listens to the old key any more");
   key_command->add_flag("--finish", key.finish, "Every robot has the new key: forget the old one");
   key_command->add_option("--revoke", key.revoke, "Robot that nobody listens to any more, in hexadecimal");
+  key_command->add_option("--drop", key.drop, "The same, of a robot whose layers are thrown away as well");
   key_command->add_flag("--show", key.show, "Say what is in it, but for the key");
 
   try {

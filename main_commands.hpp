@@ -127,6 +127,7 @@ struct KeyOptions {
   bool shut_out = false;
   bool finish = false;
   std::string revoke;  ///< a robot's id, hexadecimal
+  std::string drop;    ///< the same, of a robot whose layers go as well
   bool show = false;
 };
 

@@ -21,6 +21,7 @@ int show_key(const std::string& path, const net::FleetKey& keys) {
                keys.previous_epoch(), keys.previous->fingerprint(), path);
   }
   for (const std::uint64_t robot : keys.revoked) fmt::print("revoked {:016x}\n", robot);
+  for (const std::uint64_t robot : keys.dropped) fmt::print("dropped {:016x}\n", robot);
   return kExitDone;
 }
 
@@ -41,8 +42,10 @@ int make_key(const std::string& path) {
 
 int run_key(const KeyOptions& options) {
   const int jobs = (options.out.empty() ? 0 : 1) + (options.rotate ? 1 : 0) + (options.finish ? 1 : 0) +
-                   (options.revoke.empty() ? 0 : 1) + (options.show ? 1 : 0);
-  if (jobs != 1) return bad_usage("key: give one of --out FILE, --rotate, --finish, --revoke ROBOT, --show");
+                   (options.revoke.empty() ? 0 : 1) + (options.drop.empty() ? 0 : 1) + (options.show ? 1 : 0);
+  if (jobs != 1) {
+    return bad_usage("key: give one of --out FILE, --rotate, --finish, --revoke ROBOT, --drop ROBOT, --show");
+  }
   if (options.shut_out && !options.rotate) return bad_usage("--shut-out: says how to --rotate; give both");
   if (options.out.empty() == options.file.empty()) {
     return bad_usage(options.out.empty() ? "key: which file? Give the fleet's key, such as fleet.key"
@@ -50,13 +53,16 @@ int run_key(const KeyOptions& options) {
   }
   if (!options.out.empty()) return make_key(options.out);
 
-  std::uint64_t revoked = 0;
-  if (!options.revoke.empty()) {
-    const auto robot = net::parse_robot_id(options.revoke);
+  const bool drops = !options.drop.empty();
+  std::uint64_t unwanted = 0;
+  if (drops || !options.revoke.empty()) {
+    const std::string& text = drops ? options.drop : options.revoke;
+    const auto robot = net::parse_robot_id(text);
     if (!robot) {
-      return bad_usage(fmt::format("--revoke '{}': not a robot's id, 1 to 16 hexadecimal digits", options.revoke));
+      return bad_usage(
+          fmt::format("--{} '{}': not a robot's id, 1 to 16 hexadecimal digits", drops ? "drop" : "revoke", text));
     }
-    revoked = *robot;
+    unwanted = *robot;
   }
   auto read = net::read_fleet_key(options.file);
   if (!read) return fail(read.error().text);
@@ -73,8 +79,8 @@ int run_key(const KeyOptions& options) {
     net::rotate_fleet_key(keys, options.shut_out ? net::OldKey::shut_out : net::OldKey::kept_until_finished);
   }
   if (options.finish) net::finish_rotation(keys);
-  if (!options.revoke.empty()) {
-    if (const auto done = net::revoke_robot(keys, revoked); !done) {
+  if (drops || !options.revoke.empty()) {
+    if (const auto done = drops ? net::drop_robot(keys, unwanted) : net::revoke_robot(keys, unwanted); !done) {
       return fail(fmt::format("{}: {}", options.file, done.error().text));
     }
   }

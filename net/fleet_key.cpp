@@ -13,6 +13,10 @@ bool FleetKey::has_revoked(std::uint64_t robot) const {
   return std::find(revoked.begin(), revoked.end(), robot) != revoked.end();
 }
 
+bool FleetKey::has_dropped(std::uint64_t robot) const {
+  return std::find(dropped.begin(), dropped.end(), robot) != dropped.end();
+}
+
 FleetKey generate_fleet_key() {
   FleetKey keys;
   keys.epoch = 1;
@@ -38,6 +42,19 @@ hal::Result<void> revoke_robot(FleetKey& keys, std::uint64_t robot) {
                                   keys.revoked.size())};
   }
   keys.revoked.push_back(robot);
+  return {};
+}
+
+hal::Result<void> drop_robot(FleetKey& keys, std::uint64_t robot) {
+  if (!keys.has_dropped(robot) && keys.dropped.size() >= FleetKey::kMostRevoked) {
+    return hal::Error{
+        hal::Reason::no_capacity,
+        fmt::format("the layers of {} robots are dropped already, which is the limit; rotate the key with "
+                    "--shut-out and remove old ids from the file",
+                    keys.dropped.size())};
+  }
+  if (const hal::Result<void> revoked = revoke_robot(keys, robot); !revoked) return revoked;
+  if (!keys.has_dropped(robot)) keys.dropped.push_back(robot);
   return {};
 }
 

@@ -22,10 +22,14 @@ struct FleetKey {
   SecretKey key;
   /// Of the epoch before, until all robots have the new one.
   std::optional<SecretKey> previous;
-  /// Robots whose datagrams and layers nobody takes any more; each once.
+  /// Robots whose datagrams nobody takes any more; each once. What they had told before stays.
   std::vector<std::uint64_t> revoked;
 
+  /// Robots whose layers are thrown away, from whomever they come; each once. Meant for revoked ones.
+  std::vector<std::uint64_t> dropped;
+
   [[nodiscard]] bool has_revoked(std::uint64_t robot) const;
+  [[nodiscard]] bool has_dropped(std::uint64_t robot) const;
   /// Epochs of one file are neighbours, so their low byte tells them apart on the wire.
   [[nodiscard]] std::uint16_t previous_epoch() const { return static_cast<std::uint16_t>(epoch - 1); }
 };
@@ -43,6 +47,9 @@ void rotate_fleet_key(FleetKey& keys, OldKey old_key);
 void finish_rotation(FleetKey& keys);
 /// Also if it is revoked already. Errors: no_capacity.
 [[nodiscard]] hal::Result<void> revoke_robot(FleetKey& keys, std::uint64_t robot);
+
+/// Revokes it, and from now on nobody keeps what it has mapped. Errors: no_capacity; then nothing has changed.
+[[nodiscard]] hal::Result<void> drop_robot(FleetKey& keys, std::uint64_t robot);
 
 /// 1 to 16 hexadecimal digits, such as file and command line have them.
 [[nodiscard]] std::optional<std::uint64_t> parse_robot_id(std::string_view text);

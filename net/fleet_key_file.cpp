@@ -40,7 +40,8 @@ class KeyFileParser {
     if (word == "key") return take_key(word, value, has_key_, keys_.key);
     if (word == "previous") return take_previous(value);
     if (word == "revoked") return take_revoked(value);
-    return wrong(Reason::malformed, "begins with none of epoch, key, previous, revoked");
+    if (word == "dropped") return take_dropped(value);
+    return wrong(Reason::malformed, "begins with none of epoch, key, previous, revoked, dropped");
   }
 
   hal::Result<FleetKey> finish() {
@@ -103,6 +104,17 @@ class KeyFileParser {
     if (hal::Result<void> revoked = revoke_robot(keys_, *robot); !revoked) {
       return Error{revoked.error().reason, fmt::format("{}:{}: {}", name_, line_number_, revoked.error().text)};
     }
+    return {};
+  }
+
+  hal::Result<void> take_dropped(std::string_view value) {
+    const auto robot = parse_robot_id(value);
+    if (!robot) return wrong(Reason::malformed, "dropped is not a robot's id, 1 to 16 hexadecimal digits");
+    if (keys_.has_dropped(*robot)) return wrong(Reason::malformed, "this robot is dropped a second time");
+    if (keys_.dropped.size() >= FleetKey::kMostRevoked) {
+      return wrong(Reason::no_capacity, "more robots are dropped than a fleet can have");
+    }
+    keys_.dropped.push_back(*robot);
     return {};
   }
 
@@ -174,6 +186,7 @@ std::string format_fleet_key(const FleetKey& keys) {
   put_key("key ", keys.key);
   if (keys.previous) put_key("previous ", *keys.previous);
   for (const std::uint64_t robot : keys.revoked) fmt::format_to(std::back_inserter(text), "revoked {:016x}\n", robot);
+  for (const std::uint64_t robot : keys.dropped) fmt::format_to(std::back_inserter(text), "dropped {:016x}\n", robot);
   return text;
 }
 

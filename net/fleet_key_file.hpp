@@ -6,6 +6,7 @@
 //   key 64 hexadecimal digits
 //   previous 64 hexadecimal digits      the key of epoch 7, while a rotation goes on
 //   revoked 00000000deadbeef            one line per robot
+//   dropped 00000000deadbeef            the same, of robots whose layers are thrown away as well
 //
 // Blank lines and those that begin with # say nothing. One thread; errors name file, line and remedy, never the key.
 #pragma once

@@ -16,10 +16,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const FleetKey& keys = read.value();
-  if (keys.revoked.size() > FleetKey::kMostRevoked || keys.key.equals(SecretKey())) std::abort();
+  if (keys.revoked.size() > FleetKey::kMostRevoked || keys.dropped.size() > FleetKey::kMostRevoked ||
+      keys.key.equals(SecretKey()))
+    std::abort();
   const auto again = parse_fleet_key(format_fleet_key(keys), "f");
   if (!again.ok() || !again.value().key.equals(keys.key) || again.value().epoch != keys.epoch ||
-      again.value().revoked != keys.revoked || again.value().previous.has_value() != keys.previous.has_value()) {
+      again.value().revoked != keys.revoked || again.value().dropped != keys.dropped ||
+      again.value().previous.has_value() != keys.previous.has_value()) {
     std::abort();
   }
   return 0;

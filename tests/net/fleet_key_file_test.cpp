@@ -30,7 +30,7 @@ FleetKey full_key() {
 }
 
 bool same(const FleetKey& a, const FleetKey& b) {
-  if (a.epoch != b.epoch || !a.key.equals(b.key) || a.revoked != b.revoked) return false;
+  if (a.epoch != b.epoch || !a.key.equals(b.key) || a.revoked != b.revoked || a.dropped != b.dropped) return false;
   if (a.previous.has_value() != b.previous.has_value()) return false;
   return !a.previous || a.previous->equals(*b.previous);
 }
@@ -122,6 +122,8 @@ TEST_CASE("every line that is wrong is named, and the key is not") {
       {kHead + "previous x\n", "f:2: previous is not 64"},
       {kHead + "revoked\n", "f:2: is not WORD VALUE"},
       {kHead + "revoked xyz\n", "f:2: revoked is not"},
+      {kHead + "dropped xyz\n", "f:2: dropped is not"},
+      {kHead + "dropped 1\ndropped 01\n", "f:3: this robot is dropped a second time"},
       {kHead + "revoked 1\nrevoked 01\n", "f:3: this robot is revoked a second time"},
       {kHead + "kex " + kKey + "\n", "f:2: begins with none of"},
   };
@@ -143,7 +145,7 @@ TEST_CASE("more robots than can be revoked are refused by line") {
   REQUIRE_FALSE(read.ok());
   CHECK(has(read.error().text, "f:258: 256 robots are revoked already"));
   FleetKey most = full_key();
-  for (std::uint64_t i = 0; most.revoked.size() < FleetKey::kMostRevoked; ++i) (void)revoke_robot(most, ~i);
+  for (std::uint64_t i = 0; most.revoked.size() < FleetKey::kMostRevoked; ++i) (void)drop_robot(most, ~i);
   const std::string largest = format_fleet_key(most);
   CHECK(largest.size() < kMostKeyFile_bytes);
   CHECK(parse_fleet_key(largest, "f").ok());

@@ -58,6 +58,23 @@ TEST_CASE("robots are revoked once each, up to a limit, and stay revoked in a ro
   CHECK_FALSE(keys.has_revoked(1'000'000));
 }
 
+TEST_CASE("a robot whose layers are dropped is revoked as well, or nothing has changed") {
+  FleetKey keys = generate_fleet_key();
+  REQUIRE(revoke_robot(keys, 5).ok());
+  CHECK_FALSE(keys.has_dropped(5));
+  for (const std::uint64_t robot : {5U, 6U, 6U}) REQUIRE(drop_robot(keys, robot).ok());
+  CHECK(keys.revoked == std::vector<std::uint64_t>{5, 6});
+  CHECK(keys.dropped == std::vector<std::uint64_t>{5, 6});
+  for (std::uint64_t robot = 100; keys.revoked.size() < FleetKey::kMostRevoked; ++robot) {
+    REQUIRE(revoke_robot(keys, robot).ok());
+  }
+  CHECK(drop_robot(keys, 7).error().reason == g3d::hal::Reason::no_capacity);
+  CHECK_FALSE(keys.has_dropped(7));
+  CHECK(drop_robot(keys, 100).ok());
+  rotate_fleet_key(keys, OldKey::shut_out);
+  CHECK(keys.has_dropped(100));
+}
+
 TEST_CASE("robots have hexadecimal names") {
   CHECK(parse_robot_id("0") == 0U);
   CHECK(parse_robot_id("00000000DeadBeef") == 0xDEADBEEFU);

@@ -52,6 +52,9 @@ TEST_CASE("a fleet's key is made, shown, rotated and finished, and never printed
   CHECK(key_line(file) == second);
 
   CHECK(contains(key({"--revoke", "c0ffee", file}), "revoked 0000000000c0ffee"));
+  const std::string dropped = key({"--drop", "bad", file});
+  CHECK(contains(dropped, "revoked 0000000000000bad"));
+  CHECK(contains(dropped, "dropped 0000000000000bad"));
   const std::string shut = key({"--rotate", "--shut-out", file});
   CHECK(contains(shut, "epoch 3 "));
   CHECK(contains(shut, "revoked 0000000000c0ffee"));
@@ -94,6 +97,8 @@ TEST_CASE("bad usage of the key is exit code 2", "[system][key][usage]") {
                                                     {"--shut-out", "f"},
                                                     {"--out", "a", "b"},
                                                     {"--revoke", "xyz", "f"},
+                                                    {"--drop", "xyz", "f"},
+                                                    {"--drop", "1", "--revoke", "1", "f"},
                                                     {"--revoke", "12345678901234567", "f"}};
   for (const auto& arguments : cases) {
     std::vector<std::string> all{"key"};
