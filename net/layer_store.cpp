@@ -11,23 +11,26 @@ LayerStore::LayerStore(const StoreLimits& limits)
   assert(limits.layers <= 511 && "nine bits of the table's keys, and not all of them set");
   layers_.reserve(limits.layers);
   changes_.reserve(limits.changes);
+  refused_robots_.reserve(kMostRefusedRobots);
 }
 
 LayerIndex LayerStore::find(const LayerId& id) const {
-  const auto it = std::find_if(layers_.begin(), layers_.end(), [&](const Layer& layer) { return layer.id == id; });
+  const auto it = std::find_if(layers_.begin(), layers_.end(),
+                               [&](const Layer& layer) { return layer.id == id && !layer.is_refused; });
   return it == layers_.end() ? kNoLayer : static_cast<LayerIndex>(it - layers_.begin());
 }
 
 LayerIndex LayerStore::find_or_add(const LayerId& id) {
   const LayerIndex known = find(id);
   if (known != kNoLayer) return known;
-  if (layers_.size() == layers_.capacity()) return kNoLayer;
+  if (layers_.size() == layers_.capacity() || is_refused_robot(id.robot)) return kNoLayer;
   layers_.push_back({});
   layers_.back().id = id;
   return layer_count() - 1;
 }
 
 std::uint32_t LayerStore::slot_of(LayerIndex layer, RecordKey key) const {
+  if (layers_[layer].is_refused) return kNone;
   const std::uint32_t* slot = table_.find(table_key(layer, key));
   return slot == nullptr ? kNone : *slot;
 }
@@ -66,9 +69,14 @@ void LayerStore::erase(LayerIndex layer, RecordKey key) {
   Tree::erase(nodes, of.roots[static_cast<std::size_t>(record.lane)], record.node.version);
   of.content_hash -= mixed(record.key, record.node.version);
   --of.record_count;
+  give_back(layer, slot);
+}
+
+void LayerStore::give_back(LayerIndex layer, std::uint32_t slot) {
+  const Record& record = records_[slot];
   payload_bytes_ -= record.bytes;
   chunks_.drop(record.chain);
-  table_.erase(table_key(layer, key));
+  table_.erase(table_key(layer, record.key));
   records_.give_back(slot);
 }
 
@@ -77,13 +85,16 @@ LayerStore::Put LayerStore::put(LayerIndex layer, RecordKey key, Version version
   if (is_superseded(layer, key, version)) return Put::superseded;
   const std::optional<StoredRecord> same = first_after(layer, lane, version - 1);
   if (same && same->version == version) return Put::conflicting;
-  std::uint32_t chain = kNone;
-  const bool is_new = slot_of(layer, key) == kNone;
-  if ((is_new && records_.available() == 0) || !chunks_.put(payload, chain)) {
+  const std::uint32_t before = slot_of(layer, key);
+  const std::size_t freed_bytes = before == kNone ? 0 : records_[before].bytes;
+  if (layers_[layer].is_refused || (before == kNone && records_.available() == 0) ||
+      !chunks_.has_room_for(payload.size(), freed_bytes)) {
     ++refused_;
     return Put::refused;
   }
   erase(layer, key);
+  std::uint32_t chain = kNone;
+  (void)chunks_.put(payload, chain);  // there is room
   const std::uint32_t slot = records_.take();
   *table_.find_or_insert(table_key(layer, key)) = slot;  // as many places as records
   Record& record = records_[slot];
@@ -96,7 +107,61 @@ LayerStore::Put LayerStore::put(LayerIndex layer, RecordKey key, Version version
   payload_bytes_ += payload.size();
   drop_superseded(layer, key);
   if (changes_.size() < changes_.capacity()) changes_.push_back({layer, key});
+  if (watch_ != nullptr) watch_->on_record(layer, stored(slot), payload);
   return Put::stored;
+}
+
+bool LayerStore::add_had(LayerIndex layer, Lane lane, const VersionRange& range) {
+  VersionRanges& had = layers_[layer].had[static_cast<std::size_t>(lane)];
+  if (had.covers(range)) return true;
+  if (layers_[layer].is_refused || !had.add(range)) return false;
+  if (watch_ != nullptr) watch_->on_claim(layer);
+  return true;
+}
+
+void LayerStore::set_unclaimed(LayerIndex layer, bool is_unclaimed) {
+  if (layers_[layer].is_refused || layers_[layer].is_unclaimed == is_unclaimed) return;
+  layers_[layer].is_unclaimed = is_unclaimed;
+  if (watch_ != nullptr) watch_->on_claim(layer);
+}
+
+// --- robots whose layers nobody takes
+
+bool LayerStore::is_refused_robot(RobotId robot) const {
+  return std::find(refused_robots_.begin(), refused_robots_.end(), robot) != refused_robots_.end();
+}
+
+bool LayerStore::refuse_robot(RobotId robot) {
+  if (is_refused_robot(robot)) return true;
+  if (refused_robots_.size() == kMostRefusedRobots) return false;
+  refused_robots_.push_back(robot);
+  for (LayerIndex i = 0; i < layer_count(); ++i) {
+    Layer& layer = layers_[i];
+    if (layer.id.robot != robot) continue;
+    const LayerId id = layer.id;
+    const auto roots = layer.roots;
+    layer = {};
+    layer.id = id;
+    layer.is_refused = true;
+    layer.dropped_roots = roots;
+    if (changes_.size() < changes_.capacity()) changes_.push_back({i, pose_record(0)});
+  }
+  if (watch_ != nullptr) watch_->on_refused_robot(robot);
+  return true;
+}
+
+bool LayerStore::drop_some(std::uint32_t most_records) {
+  Nodes nodes{records_};
+  for (LayerIndex i = 0; i < layer_count(); ++i) {
+    for (std::uint32_t& root : layers_[i].dropped_roots) {
+      for (; root != kNone; --most_records) {
+        if (most_records == 0) return true;
+        const std::uint32_t slot = Tree::erase(nodes, root, records_[root].node.version);
+        give_back(i, slot);
+      }
+    }
+  }
+  return false;
 }
 
 StoredRecord LayerStore::stored(std::uint32_t slot) const {

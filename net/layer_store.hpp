@@ -6,6 +6,9 @@
 // first lane first: the ground band, in which robots drive, then where known space ends, then the rest. A record that
 // changes its lane counts by its version alone.
 //
+// A robot in wrong hands may have its layers refused: they vanish at once for whoever asks, and nobody brings them
+// back; the room that they took comes back bit by bit.
+//
 // Memory is sized at construction. A record for which there is no room is refused and not counted as had. One thread.
 #pragma once
 
@@ -49,8 +52,20 @@ struct StoredRecord {
   std::uint32_t slot = 0;
 };
 
+/// Is told of all that changes in a store, as it happens, by the store's thread.
+class StoreWatch {
+ public:
+  virtual ~StoreWatch() = default;
+  virtual void on_record(LayerIndex layer, const StoredRecord& record, mapper::ByteSpan payload) = 0;
+  /// What is had of a layer, or whether it is claimed.
+  virtual void on_claim(LayerIndex layer) = 0;
+  virtual void on_refused_robot(RobotId robot) = 0;
+};
+
 class LayerStore {
  public:
+  static constexpr std::size_t kMostRefusedRobots = 256;
+
   enum class Put : std::uint8_t {
     stored,
     superseded,   ///< it holds that version or a newer one already
@@ -61,13 +76,14 @@ class LayerStore {
   explicit LayerStore(const StoreLimits& limits = {});
 
   [[nodiscard]] LayerIndex find(const LayerId& id) const;
-  /// kNoLayer if it is new and there is no room.
+  /// kNoLayer if it is new and there is no room, or of a robot that is refused.
   [[nodiscard]] LayerIndex find_or_add(const LayerId& id);
   [[nodiscard]] std::uint32_t layer_count() const { return static_cast<std::uint32_t>(layers_.size()); }
   [[nodiscard]] std::uint32_t most_layers() const { return static_cast<std::uint32_t>(layers_.capacity()); }
   [[nodiscard]] const LayerId& id(LayerIndex layer) const { return layers_[layer].id; }
 
-  /// `payload`: at most 65535 bytes. A record that takes another's place needs its room before the other gives it back.
+  /// `payload`: at most 65535 bytes. A record takes the room of the one of the same key whose place it takes: what is
+  /// no longer than before always finds room.
   Put put(LayerIndex layer, RecordKey key, Version version, Lane lane, mapper::ByteSpan payload);
   [[nodiscard]] std::optional<StoredRecord> find_record(LayerIndex layer, RecordKey key) const;
   /// The record of the lane with the lowest version above `version`.
@@ -91,13 +107,15 @@ class LayerStore {
   }
 
   /// visit(layer, key) for every record that was stored since the last time, some more than once; for one reader. If
-  /// there were more than can be remembered, for all.
+  /// there were more than can be remembered, for all. Of a layer that was refused meanwhile a single key, which it does
+  /// not hold: see is_refused().
   template <typename Visit>
   void take_changes(Visit&& visit) {
     if (changes_.size() < changes_.capacity()) {
       for (const Change& change : changes_) visit(change.layer, change.key);
     } else {
       for (LayerIndex layer = 0; layer < layer_count(); ++layer) {
+        if (is_refused(layer)) visit(layer, pose_record(0));
         for_each(layer, [&](const StoredRecord& record) { visit(layer, record.key); });
       }
     }
@@ -111,14 +129,25 @@ class LayerStore {
   [[nodiscard]] LaneVersions upto(LayerIndex layer) const;
   /// The highest version of what is had, gaps before it or not.
   [[nodiscard]] Version highest(LayerIndex layer) const;
-  bool add_had(LayerIndex layer, Lane lane, const VersionRange& range) {
-    return layers_[layer].had[static_cast<std::size_t>(lane)].add(range);
-  }
+  bool add_had(LayerIndex layer, Lane lane, const VersionRange& range);
 
   /// Of a layer whose records were kept and what they complete was lost, as by a restart: it is not asked for from the
   /// start, but compared with another robot's first.
-  void set_unclaimed(LayerIndex layer, bool is_unclaimed) { layers_[layer].is_unclaimed = is_unclaimed; }
+  void set_unclaimed(LayerIndex layer, bool is_unclaimed);
   [[nodiscard]] bool is_unclaimed(LayerIndex layer) const { return layers_[layer].is_unclaimed; }
+
+  /// Nobody's records of this robot's layers are taken from now on, and what is held of them is gone. Their places stay
+  /// taken, their indices valid. Takes as long as there are layers; drop_some() does the rest. False if there are
+  /// kMostRefusedRobots already.
+  bool refuse_robot(RobotId robot);
+  [[nodiscard]] bool is_refused_robot(RobotId robot) const;
+  [[nodiscard]] bool is_refused(LayerIndex layer) const { return layers_[layer].is_refused; }
+  [[nodiscard]] std::span<const RobotId> refused_robots() const { return refused_robots_; }
+  /// Gives back the room of at most so many records of refused layers. False if none is left.
+  bool drop_some(std::uint32_t most_records);
+
+  /// Told from now on; nullptr: nobody.
+  void set_watch(StoreWatch* watch) { watch_ = watch; }
 
   /// Of the keys and versions of all records: equal for those who hold the same, in whatever order they came.
   [[nodiscard]] std::uint64_t digest() const;
@@ -126,6 +155,7 @@ class LayerStore {
   [[nodiscard]] std::uint64_t content_hash(LayerIndex layer) const { return layers_[layer].content_hash; }
   [[nodiscard]] std::uint32_t record_count(LayerIndex layer) const { return layers_[layer].record_count; }
   [[nodiscard]] std::uint32_t record_count() const { return records_.in_use(); }
+  /// Of refused layers as well, until they are dropped.
   [[nodiscard]] std::size_t payload_bytes() const { return payload_bytes_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
@@ -145,6 +175,8 @@ class LayerStore {
     std::uint64_t content_hash = 0;
     std::uint32_t record_count = 0;
     bool is_unclaimed = false;
+    bool is_refused = false;
+    std::array<std::uint32_t, kLanes> dropped_roots{kNone, kNone, kNone};  ///< of what drop_some() is to give back
   };
   struct Change {
     LayerIndex layer;
@@ -164,13 +196,16 @@ class LayerStore {
   [[nodiscard]] bool is_superseded(LayerIndex layer, RecordKey key, Version version) const;
   void drop_superseded(LayerIndex layer, RecordKey key);
   void erase(LayerIndex layer, RecordKey key);
+  void give_back(LayerIndex layer, std::uint32_t slot);
   [[nodiscard]] StoredRecord stored(std::uint32_t slot) const;
 
   std::vector<Layer> layers_;  ///< reserved: never moves
   mutable mapper::SlotPool<Record> records_;
   mapper::FixedTable<std::uint32_t> table_;
   PayloadChunks chunks_;
-  std::vector<Change> changes_;  ///< reserved; full: more than it holds
+  std::vector<Change> changes_;          ///< reserved; full: more than it holds
+  std::vector<RobotId> refused_robots_;  ///< reserved
+  StoreWatch* watch_ = nullptr;
   std::size_t payload_bytes_ = 0;
   std::uint64_t refused_ = 0;
 };

@@ -8,7 +8,7 @@ namespace g3d::net {
 
 bool PayloadChunks::put(mapper::ByteSpan bytes, std::uint32_t& chain) {
   chain = kNone;
-  const std::size_t needed = (bytes.size() + kChunk_bytes - 1) / kChunk_bytes;
+  const std::size_t needed = chunks_of(bytes.size());
   if (needed > pool_.available()) return false;
   // From the last to the first, so that every chunk knows the next one when it is written.
   for (std::size_t i = needed; i-- > 0;) {

@@ -25,12 +25,19 @@ class PayloadChunks {
   /// `bytes`: as long as what was put.
   [[nodiscard]] bool equals(std::uint32_t chain, mapper::ByteSpan bytes) const;
   void drop(std::uint32_t chain);
+  /// Whether so many bytes could be put once a string of `dropped_bytes` was dropped.
+  [[nodiscard]] bool has_room_for(std::size_t bytes, std::size_t dropped_bytes) const {
+    return chunks_of(bytes) <= pool_.available() + chunks_of(dropped_bytes);
+  }
 
   [[nodiscard]] std::size_t used_bytes() const { return std::size_t{pool_.in_use()} * sizeof(Chunk); }
   [[nodiscard]] std::size_t reserved_bytes() const { return pool_.reserved_bytes(); }
 
  private:
   static constexpr std::size_t kChunk_bytes = 28;
+  [[nodiscard]] static constexpr std::size_t chunks_of(std::size_t bytes) {
+    return (bytes + kChunk_bytes - 1) / kChunk_bytes;
+  }
   struct Chunk {
     std::uint32_t next;
     std::uint8_t bytes[kChunk_bytes];

@@ -148,7 +148,9 @@ TEST_CASE("a store does what std::map does, and refuses only when it is full, lo
       }
       REQUIRE(store.record_count() == count);
       REQUIRE(store.payload_bytes() == bytes);
-      const bool is_full = (!of.has(key) && count == kRecords) || chunks + chunks_of(record.payload.size()) > kChunks;
+      const std::size_t freed = of.has(key) ? chunks_of(of.records().at(key).payload.size()) : 0;
+      const bool is_full =
+          (!of.has(key) && count == kRecords) || chunks - freed + chunks_of(record.payload.size()) > kChunks;
       const Put expected = of.is_superseded(key, version)      ? Put::superseded
                            : of.is_taken(record.lane, version) ? Put::conflicting
                            : is_full                           ? Put::refused
@@ -352,4 +354,74 @@ TEST_CASE("changes are told once, all that were stored; when there were too many
   CHECK(taken().empty());
   REQUIRE(store.put(layer, net::pose_record(5), 100, Lane::ground, {}) == Put::stored);
   CHECK(taken() == Changes{{layer, net::pose_record(5)}});
+}
+
+TEST_CASE("a full store takes an update that is no longer than what it replaces", "[net]") {
+  LayerStore store({2, 4, 4 * 36});
+  const LayerIndex layer = store.find_or_add({1, 1});
+  for (std::uint32_t block = 0; block < 4; ++block) {
+    REQUIRE(store.put(layer, net::block_record(0, block, Part::whole), block + 1, Lane::rest, Bytes(28, 1)) ==
+            Put::stored);
+  }
+  REQUIRE(store.put(layer, net::block_record(0, 9, Part::whole), 9, Lane::rest, Bytes{1}) == Put::refused);
+  CHECK(store.put(layer, net::block_record(0, 2, Part::whole), 10, Lane::ground, Bytes(28, 2)) == Put::stored);
+  CHECK(store.put(layer, net::block_record(0, 3, Part::whole), 11, Lane::rest, Bytes(3, 3)) == Put::stored);
+  const std::uint64_t digest = store.digest();
+  CHECK(store.put(layer, net::block_record(0, 1, Part::whole), 12, Lane::rest, Bytes(29, 4)) == Put::refused);
+  CHECK(store.digest() == digest);
+  CHECK(payload_in(store, *store.find_record(layer, net::block_record(0, 1, Part::whole))) == Bytes(28, 1));
+  CHECK(payload_in(store, *store.find_record(layer, net::block_record(0, 2, Part::whole))) == Bytes(28, 2));
+}
+
+TEST_CASE("a refused robot's layers are gone at once, never come back, and give their room back bit by bit", "[net]") {
+  tests::Random random(3);
+  LayerStore with({5, 2000, 100000}), without({5, 2000, 100000});
+  const auto fill = [&](LayerStore& store, std::uint64_t robot) {
+    for (const OfferedRecord& record : published_records(random, 300)) {
+      const LayerIndex layer = store.find_or_add({robot, static_cast<std::uint32_t>(record.robot)});
+      if (layer == net::kNoLayer) continue;
+      (void)store.put(layer, record.key, record.version, record.lane, record.payload);
+      (void)store.add_had(layer, record.lane, {0, record.version});
+    }
+  };
+  random = tests::Random(3);
+  fill(with, 7);
+  random = tests::Random(3);
+  fill(without, 7);
+  fill(with, 8);  // two layers more find room
+  std::size_t told = 0;
+  with.take_changes([&](LayerIndex, RecordKey) { ++told; });
+  REQUIRE(told > 300);
+  const std::uint32_t before = with.record_count();
+  REQUIRE(with.refuse_robot(8));
+  CHECK(with.refuse_robot(8));
+  CHECK(with.digest() == without.digest());
+  CHECK(with.find({8, 1}) == net::kNoLayer);
+  CHECK(with.find_or_add({8, 9}) == net::kNoLayer);
+  std::set<LayerIndex> refused;
+  with.take_changes([&](LayerIndex layer, RecordKey key) {
+    REQUIRE(with.is_refused(layer));
+    CHECK_FALSE(with.find_record(layer, key));
+    refused.insert(layer);
+  });
+  REQUIRE(refused.size() == 2);
+  for (const LayerIndex layer : refused) {
+    CHECK(with.put(layer, net::pose_record(1), 9999, Lane::rest, Bytes{1}) == Put::refused);
+    CHECK_FALSE(with.add_had(layer, Lane::rest, {0, 9999}));
+    CHECK(with.highest(layer) == 0);
+    int visited = 0;
+    with.for_each(layer, [&](const net::StoredRecord&) { ++visited; });
+    CHECK(visited == 0);
+  }
+  int calls = 0;
+  std::uint32_t left = with.record_count();
+  REQUIRE(left == before);
+  for (; with.drop_some(10); ++calls) {
+    REQUIRE(left - with.record_count() == 10);
+    left = with.record_count();
+  }
+  CHECK(calls >= 5);
+  CHECK(with.record_count() == without.record_count());
+  CHECK(with.payload_bytes() == without.payload_bytes());
+  CHECK_FALSE(with.drop_some(1));
 }

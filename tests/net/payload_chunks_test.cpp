@@ -138,3 +138,14 @@ TEST_CASE("full chunks hold one payload of all their bytes and not one byte more
   chunks.drop(chain);
   CHECK(chunks.used_bytes() == 0);
 }
+
+TEST_CASE("chunks say whether there is room once something was dropped", "[net]") {
+  PayloadChunks chunks(3 * 36);
+  std::uint32_t chain = 0;
+  REQUIRE(chunks.put(Bytes(56, 1), chain));
+  CHECK(chunks.has_room_for(28, 0));
+  CHECK_FALSE(chunks.has_room_for(29, 0));
+  CHECK(chunks.has_room_for(84, 56));
+  CHECK_FALSE(chunks.has_room_for(85, 56));
+  CHECK(chunks.has_room_for(56, 28));
+}
