@@ -24,17 +24,27 @@ MergedMap::Submap* MergedMap::submap_of(const LayerStore& store, LayerIndex laye
   }
   submaps_.push_back({store.id(layer), layer, number, 0,
                       std::make_unique<mapper::VoxelMap>(options_.grid, options_.submap), std::nullopt});
-  Submap& added = submaps_.back();
+  rank_submaps();
+  return &submaps_.back();
+}
+
+void MergedMap::rank_submaps() {
   const auto order = [](const Submap& s) { return std::tuple(s.layer, s.number); };
-  for (Submap& other : submaps_) {
-    if (&other == &added) continue;
-    if (order(other) < order(added)) {
-      ++added.rank;
-    } else {
-      ++other.rank;
-    }
+  for (Submap& submap : submaps_) {
+    submap.rank = static_cast<std::uint64_t>(std::count_if(
+        submaps_.begin(), submaps_.end(), [&](const Submap& other) { return order(other) < order(submap); }));
   }
-  return &added;
+}
+
+void MergedMap::drop(LayerIndex layer) {
+  const auto is_of_layer = [&](const Submap& submap) { return submap.index == layer; };
+  for (const Submap& submap : submaps_) {
+    if (!is_of_layer(submap)) continue;
+    if (submap.sampler) submap.sampler->add_target_keys(submap.map->sorted_keys(), due_);
+    ++counts_.dropped_submaps;
+  }
+  std::erase_if(submaps_, is_of_layer);
+  rank_submaps();
 }
 
 mapper::ByteSpan MergedMap::payload_of(const LayerStore& store, const StoredRecord& record) {
@@ -84,6 +94,7 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
 }
 
 void MergedMap::take(const LayerStore& store, LayerIndex layer, RecordKey key) {
+  if (store.is_refused(layer)) return drop(layer);
   if (options_.left_out == store.id(layer)) return;
   if (kind_of(key) == RecordKind::block) take_block(store, layer, key);
   if (kind_of(key) == RecordKind::submap_pose) take_pose(store, layer, submap_of_key(key));

@@ -4,8 +4,9 @@
 // records has the same map, in whatever order they came. Kept up to date block by block; what an update costs depends
 // on what has changed.
 //
-// A submap whose pose is not known yet waits. Each takes address space for as much as one map may hold when it is first
-// heard of, and an update allocates: not for a thread on the way from camera to base. One thread.
+// A layer that the store refuses leaves the map with all that it had put there. A submap whose pose is not known yet
+// waits. Each takes address space for as much as one map may hold when it is first heard of, and an update allocates:
+// not for a thread on the way from camera to base. One thread.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +36,7 @@ struct MergedOptions {
 struct MergedCounts {
   std::uint64_t merged_blocks = 0;    ///< times a block of the result was made
   std::uint64_t moved_submaps = 0;    ///< times a pose has changed
+  std::uint64_t dropped_submaps = 0;  ///< of robots that were refused
   std::uint64_t bad_payloads = 0;     ///< records that are no block or no pose: left out
   std::uint64_t refused_blocks = 0;   ///< no room
   std::uint64_t refused_submaps = 0;  ///< too many
@@ -69,6 +71,8 @@ class MergedMap {
   void take(const LayerStore& store, LayerIndex layer, RecordKey key);
   void take_block(const LayerStore& store, LayerIndex layer, RecordKey key);
   void take_pose(const LayerStore& store, LayerIndex layer, std::uint32_t number);
+  void drop(LayerIndex layer);
+  void rank_submaps();
   [[nodiscard]] mapper::ByteSpan payload_of(const LayerStore& store, const StoredRecord& record);
   void merge_due();
 

@@ -130,3 +130,30 @@ TEST_CASE("what changes in a map changes in the merged map, and what is erased i
     }
   }
 }
+
+TEST_CASE("a layer that is refused leaves the merged map, and what others saw there stays", "[net][merge]") {
+  const std::array<std::unique_ptr<mapper::VoxelMap>, 3> maps{
+      tests::furnished_room(0.1F), tests::random_map(4, 60, 0.1F), tests::random_map(9, 60, 0.1F)};
+  GossipFleet fleet(fleet_of(3));
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    net::LayerWriter writer(*maps[i], fleet.gossip(i), fleet.store(i));
+    REQUIRE(writer.publish_pose({}, fleet.now_ns()));
+    note_all(writer, *maps[i]);
+    (void)writer.publish_round(10000000, fleet.now_ns());
+  }
+  REQUIRE(fleet.run_until_equal(60 * kMergeSecond_ns));
+  net::MergedMap merged(merged_options(*maps[0]));
+  merged.update(fleet.store(0));
+  REQUIRE(merged.submap_count() == 3);
+  const std::string with_all = mapper::map_hash(merged.map());
+  REQUIRE(fleet.store(0).refuse_robot(2));
+  merged.update(fleet.store(0));
+  CHECK(merged.submap_count() == 2);
+  CHECK(merged.counts().dropped_submaps == 1);
+  net::MergedMap anew(merged_options(*maps[0]));
+  anew.take_all(fleet.store(0));
+  CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(anew.map()));
+  CHECK(mapper::map_hash(merged.map()) != with_all);
+  const std::vector<mapper::MergeSource> sources{{maps[0].get(), {}, 0}, {maps[2].get(), {}, 1}};
+  CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(*mapper::merge_maps(sources).value()));
+}
