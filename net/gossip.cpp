@@ -14,6 +14,8 @@ constexpr hal::TimeNs kGossipPuzzled_ns = 1'000'000'000;
 /// But in a fleet that never comes to rest somebody is asked even so.
 constexpr hal::TimeNs kGossipAsk_ns = 5'000'000'000;
 constexpr std::size_t kGossipLayersPerBeacon = 4;
+/// Records of a refused robot that go each time; they take a millisecond.
+constexpr std::uint32_t kGossipDropped = 1024;
 /// What may be sent at once after a pause.
 constexpr double kGossipBurst_s = 0.02;
 
@@ -28,7 +30,7 @@ Gossip::Gossip(const GossipOptions& options, LayerStore& store, Link& link)
     : options_(options),
       store_(store),
       link_(link),
-      own_(store.find_or_add(options.self)),
+      own_(store, options.self, options.restored_upto),
       members_(options.most_peers, store.most_layers(), options.membership),
       sources_(store.most_layers(), options.sources),
       // Robots that start together do not speak together.
@@ -43,13 +45,17 @@ Gossip::Gossip(const GossipOptions& options, LayerStore& store, Link& link)
 
 bool Gossip::publish(RecordKey key, Lane lane, mapper::ByteSpan payload) {
   if (payload.size() > kMostPayload_bytes) return false;
-  if (store_.put(own_, key, version_ + 1, lane, payload) != LayerStore::Put::stored) return false;
-  ++version_;
+  if (!own_.may_publish()) {
+    ++counts_.unreserved_records;
+    return false;
+  }
+  if (store_.put(own_.index(), key, own_.version() + 1, lane, payload) != LayerStore::Put::stored) return false;
+  own_.advance();
   return true;
 }
 
 void Gossip::commit(hal::TimeNs now_ns) {
-  for (const Lane lane : kAllLanes) (void)store_.add_had(own_, lane, {0, version_});
+  own_.commit();
   stored_ns_ = now_ns;
 }
 
@@ -59,7 +65,7 @@ LayerVersions Gossip::versions_of(LayerIndex layer) const {
 
 LayerIndex Gossip::layer_of(const LayerId& id) {
   const LayerIndex layer = store_.find_or_add(id);
-  if (layer == kNoLayer) ++counts_.refused_layers;
+  if (layer == kNoLayer) ++(store_.is_refused_robot(id.robot) ? counts_.refused_robots : counts_.refused_layers);
   return layer;
 }
 
@@ -76,13 +82,17 @@ void Gossip::note_known(Peer& peer, const LayerVersions& layer) {
 void Gossip::on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns) {
   if (from.robot == options_.self.robot || message.empty()) return;
   ++counts_.received_messages;
+  if (store_.is_refused_robot(from.robot)) {
+    ++counts_.refused_robots;
+    return;
+  }
   Peer* peer = members_.heard(from, now_ns);
   if (peer == nullptr) return;
   switch (static_cast<MessageKind>(message[0])) {
     case MessageKind::beacon:
       return on_beacon(*peer, message, now_ns);
     case MessageKind::vector:
-      return on_vector(*peer, message);
+      return on_vector(*peer, message, now_ns);
     case MessageKind::want:
       return on_want(*peer, message, now_ns);
     case MessageKind::data:
@@ -105,12 +115,13 @@ void Gossip::on_beacon(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns)
   for (const LayerVersions& layer : layers_.all()) note_known(peer, layer);
 }
 
-void Gossip::on_vector(Peer& peer, mapper::ByteSpan message) {
+void Gossip::on_vector(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns) {
   bool wants_answer = false;
   if (const MessageFault fault = read_vector(message, wants_answer, layers_); fault != MessageFault::none) {
     return note_fault(fault);
   }
   peer.owes_vector = peer.owes_vector || wants_answer;
+  peer.vector_ns = now_ns;
   for (const LayerVersions& layer : layers_.all()) {
     // It may have begun anew: what it says now counts, not what it had once.
     if (const LayerIndex index = layer_of(layer.id); index != kNoLayer) {
@@ -134,7 +145,7 @@ class Gossip::Applying final : public DataVisitor {
   Applying(Gossip& gossip, Peer& peer, hal::TimeNs now_ns) : gossip_(gossip), peer_(peer), now_ns_(now_ns) {}
   void on_record(const DataRecord& record) override {
     const LayerIndex layer = gossip_.layer_of(record.layer);
-    if (layer == kNoLayer || layer == gossip_.own_) {
+    if (layer == kNoLayer || !gossip_.own_.may_take(layer, record.version)) {
       all_kept_ = false;
       return;
     }
@@ -161,7 +172,7 @@ class Gossip::Applying final : public DataVisitor {
   void on_segment(const DataSegment& segment) override {
     const bool all_kept = std::exchange(all_kept_, true);
     const LayerIndex layer = gossip_.layer_of(segment.layer);
-    if (layer == kNoLayer || layer == gossip_.own_ || !all_kept) return;
+    if (layer == kNoLayer || !gossip_.own_.may_take(layer, segment.range.upto) || !all_kept) return;
     if (!gossip_.store_.add_had(layer, segment.lane, segment.range)) {
       ++gossip_.counts_.refused_ranges;
       return;
@@ -207,10 +218,12 @@ void Gossip::on_time(hal::TimeNs now_ns) {
   allowance_bytes_ = std::min(allowance_bytes_, most_bytes);
   allowance_ns_ = now_ns;
 
+  (void)store_.drop_some(kGossipDropped);
   members_.on_time(now_ns);
+  if (own_.has_gap()) look_for_own(now_ns);
   if (now_ns - chosen_ns_ >= kGossipChoice_ns) {
     chosen_ns_ = now_ns;
-    sources_.choose(store_, members_, own_, now_ns);
+    sources_.choose(store_, members_, own_.has_gap() ? kNoLayer : own_.index(), now_ns);
   }
   if (now_ns - beacon_ns_ >= options_.beacon_period_ns) send_beacon(now_ns);
   for (Peer& peer : members_.all()) {
@@ -236,10 +249,12 @@ void Gossip::send_beacon(hal::TimeNs now_ns) {
   std::size_t told = 0;
   // Our own layer every time, for nobody else knows better; others when they have changed.
   for (LayerIndex i = 0; i < store_.layer_count() && told < kGossipLayersPerBeacon; ++i) {
-    const LayerIndex layer = i == 0 ? own_ : i <= own_ ? i - 1 : i;
+    const LayerIndex layer = i == 0 ? own_.index() : i <= own_.index() ? i - 1 : i;
     const LayerVersions now = versions_of(layer);
     const LayerVersions& before = told_[layer];
-    const bool is_told = layer == own_ ? now.highest == 0 : now.upto == before.upto && now.highest == before.highest;
+    if (store_.is_refused(layer)) continue;
+    const bool is_told =
+        layer == own_.index() ? now.highest == 0 : now.upto == before.upto && now.highest == before.highest;
     if (is_told || !message_.add_layer(now)) continue;
     told_[layer] = now;
     ++told;
@@ -249,8 +264,10 @@ void Gossip::send_beacon(hal::TimeNs now_ns) {
 
 bool Gossip::lacks_from(const Peer& peer) const {
   for (LayerIndex layer = 0; layer < store_.layer_count(); ++layer) {
-    if (layer != own_ && sources_.source(layer) == peer.robot && LayerSources::has_more(store_, peer, layer))
+    if (!own_.is_ours_alone(layer) && sources_.source(layer) == peer.robot &&
+        LayerSources::has_more(store_, peer, layer)) {
       return true;
+    }
   }
   return false;
 }
@@ -274,7 +291,10 @@ void Gossip::send_want(Peer& peer, hal::TimeNs now_ns) {
   LayerPosition position;
   for (std::uint32_t i = 0; i < count; ++i) {
     const LayerIndex layer = (peer.want_turn + i) % count;
-    if (layer == own_ || sources_.source(layer) != peer.robot || store_.is_unclaimed(layer)) continue;
+    if (own_.is_ours_alone(layer) || sources_.source(layer) != peer.robot || store_.is_unclaimed(layer) ||
+        store_.is_refused(layer)) {
+      continue;
+    }
     position.id = store_.id(layer);
     for (const Lane lane : kAllLanes) position.had[static_cast<std::size_t>(lane)] = store_.had(layer, lane);
     if (message_.add_position(position)) continue;
@@ -313,7 +333,7 @@ void Gossip::send_vector(Peer& peer, bool wants_answer) {
   std::uint32_t told = 0;
   for (; told < count; ++told) {
     const auto layer = static_cast<LayerIndex>((vector_turn_ + told) % count);
-    if (!message_.add_layer(versions_of(layer))) break;
+    if (!store_.is_refused(layer) && !message_.add_layer(versions_of(layer))) break;
   }
   vector_turn_ = (vector_turn_ + told) % count;
   send(peer.address, MessageKind::vector, message_.bytes());
@@ -322,17 +342,35 @@ void Gossip::send_vector(Peer& peer, bool wants_answer) {
 void Gossip::reconcile_with(Peer& peer, hal::TimeNs now_ns) {
   if (reconciler_.is_busy()) return;
   for (LayerIndex layer = 0; layer < store_.layer_count(); ++layer) {
-    if (!store_.is_unclaimed(layer) || layer == own_ || peer.known[layer].highest == 0) continue;
+    if (!store_.is_unclaimed(layer) || own_.is_ours_alone(layer) || peer.known[layer].highest == 0) continue;
     return reconciler_.begin(peer.robot, layer, now_ns);
   }
   if (now_ns - peer.vector_asked_ns > kGossipPuzzled_ns) return;
   for (LayerIndex layer = 0; layer < store_.layer_count(); ++layer) {
     KnownLayer& known = peer.known[layer];
-    if (known.content_hash == 0 || layer == own_ || known.content_hash == store_.content_hash(layer)) continue;
+    if (known.content_hash == 0 || known.content_hash == store_.content_hash(layer) || store_.is_refused(layer))
+      continue;
+    if (!own_.may_compare(layer, known.highest)) continue;
     if (LayerSources::has_more(store_, peer, layer) || now_ns - stored_ns_ < kGossipPuzzled_ns) continue;
     if (known.content_hash == known.taken_hash) continue;
     return reconciler_.begin(peer.robot, layer, now_ns);
   }
+}
+
+void Gossip::look_for_own(hal::TimeNs now_ns) {
+  bool is_known_to_all = true;
+  bool is_alone = true;
+  for (Peer& peer : members_.all()) {
+    if (!peer.is_alive()) continue;
+    is_alone = false;
+    if (LayerSources::has_more(store_, peer, own_.index()) || peer.vector_ns == 0) is_known_to_all = false;
+    if (peer.vector_ns != 0 || (peer.vector_asked_ns != 0 && now_ns - peer.vector_asked_ns < kGossipRetry_ns)) continue;
+    peer.vector_asked_ns = now_ns;
+    send_vector(peer, true);
+  }
+  if (is_alone || !is_known_to_all) return;
+  // Whoever is out of reach and has more of it will differ in the digest later.
+  own_.close_gap();
 }
 
 void Gossip::send_data(hal::TimeNs now_ns) {

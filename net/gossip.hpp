@@ -5,8 +5,10 @@
 //   beacon to all, twice a second ──▶ who has more? ──▶ want to a source ──▶ data, paced ──▶ store ──▶ want (answer)
 //
 // Who is told of a layer once is sent its news at once. Messages may be lost, doubled, late or out of order, and robots
-// may start anew: nothing is applied but whole records, and the newest stands. If two have the same versions of a layer
-// and yet not the same records (a writer died between two of them), they find out what each lacks (reconciler.hpp).
+// may start anew: nothing is applied but whole records, and the newest stands. A robot that comes back with its layer
+// and its counter goes on where the counter may have been; what its disk had lost the others give back to it. If two
+// have the same versions of a layer and yet not the same records (a writer died between two of them), they find out
+// what each lacks (reconciler.hpp).
 //
 // No threads, no clock, nothing allocated but when a robot is heard for the first time: whoever owns the link calls it,
 // with the time.
@@ -21,6 +23,7 @@
 #include "net/layer_sources.hpp"
 #include "net/layer_store.hpp"
 #include "net/membership.hpp"
+#include "net/own_layer.hpp"
 #include "net/reconciler.hpp"
 #include "net/sync_message.hpp"
 
@@ -34,7 +37,10 @@ class Link {
 };
 
 struct GossipOptions {
-  LayerId self;            ///< our own layer
+  LayerId self;  ///< our own layer; not of a robot that the store refuses
+  /// Of our own layer, where the store holds it from an earlier start: up to which version others may have been told of
+  /// it. We go on above. 0: it begins now.
+  Version restored_upto = 0;
   std::uint64_t seed = 0;  ///< a random number: who starts together does not speak together
   std::size_t most_peers = 64;
   MembershipRule membership;
@@ -56,6 +62,8 @@ struct GossipCounts {
   std::uint64_t refused_records = 0;                   ///< no room
   std::uint64_t refused_ranges = 0;                    ///< too many gaps before them
   std::uint64_t refused_layers = 0;                    ///< no room for a layer more
+  std::uint64_t refused_robots = 0;                    ///< messages and layers of robots that the store refuses
+  std::uint64_t unreserved_records = 0;                ///< own ones that the version limit kept back
   std::array<std::uint64_t, kMessageFaults> faults{};  ///< by MessageFault
   [[nodiscard]] std::uint64_t all_sent_bytes() const {
     std::uint64_t sum = 0;
@@ -69,10 +77,12 @@ class Gossip {
   /// `store`: outlives this; it has at least one layer free, for our own.
   Gossip(const GossipOptions& options, LayerStore& store, Link& link);
 
-  /// A record of our own layer, of the next version. False if the store has no room, or it is longer than
-  /// kMostPayload_bytes. What was published is on its way after commit().
+  /// A record of our own layer, of the next version. False if the store has no room, it is longer than
+  /// kMostPayload_bytes, or the version is above the limit. What was published is on its way after commit().
   bool publish(RecordKey key, Lane lane, mapper::ByteSpan payload);
   void commit(hal::TimeNs now_ns);
+  /// Versions above this one are not used: a later start could not know of them. At first there is no limit.
+  void set_version_limit(Version limit) { own_.set_limit(limit); }
 
   /// A message of a robot whose word is genuine. What an earlier start of it had sent comes no more once a later one
   /// was heard.
@@ -84,14 +94,16 @@ class Gossip {
   [[nodiscard]] const LayerSources& sources() const { return sources_; }
   [[nodiscard]] const GossipCounts& counts() const { return counts_; }
   [[nodiscard]] const ReconcilerCounts& reconciler_counts() const { return reconciler_.counts(); }
-  [[nodiscard]] LayerIndex own_layer() const { return own_; }
-  [[nodiscard]] Version version() const { return version_; }
+  [[nodiscard]] LayerIndex own_layer() const { return own_.index(); }
+  [[nodiscard]] Version version() const { return own_.version(); }
   [[nodiscard]] const GossipOptions& options() const { return options_; }
 
  private:
   class Applying;
+  /// For what we lost with our last start.
+  void look_for_own(hal::TimeNs now_ns);
   void on_beacon(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
-  void on_vector(Peer& peer, mapper::ByteSpan message);
+  void on_vector(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void on_want(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void on_data(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void note_fault(MessageFault fault) { ++counts_.faults[static_cast<std::size_t>(fault)]; }
@@ -115,8 +127,7 @@ class Gossip {
   GossipOptions options_;
   LayerStore& store_;
   Link& link_;
-  LayerIndex own_;
-  Version version_ = 0;
+  OwnLayer own_;
   Membership members_;
   LayerSources sources_;
   GossipCounts counts_;

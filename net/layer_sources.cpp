@@ -6,6 +6,7 @@
 namespace g3d::net {
 
 bool LayerSources::has_more(const LayerStore& store, const Peer& peer, LayerIndex layer) {
+  if (store.is_refused(layer)) return false;
   const KnownLayer& known = peer.known[layer];
   for (const Lane lane : kAllLanes) {
     if (known.upto[static_cast<std::size_t>(lane)] > store.had(layer, lane).upto()) return true;
@@ -38,7 +39,7 @@ RobotId LayerSources::choice(const LayerStore& store, Membership& members, const
 
 void LayerSources::choose(const LayerStore& store, Membership& members, LayerIndex own, hal::TimeNs now_ns) {
   for (LayerIndex layer = 0; layer < store.layer_count(); ++layer) {
-    if (layer == own) continue;
+    if (layer == own || store.is_refused(layer)) continue;
     const bool is_lacking = std::any_of(members.all().begin(), members.all().end(), [&](const Peer& peer) {
       return peer.is_alive() && has_more(store, peer, layer);
     });

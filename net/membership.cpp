@@ -9,7 +9,7 @@ namespace {
 void forget(Peer& peer) {
   std::fill(peer.known.begin(), peer.known.end(), KnownLayer{});
   peer.digest = 0;
-  peer.want_ns = peer.data_ns = peer.vector_asked_ns = 0;
+  peer.want_ns = peer.data_ns = peer.vector_asked_ns = peer.vector_ns = 0;
   // Whatever it is to give us, it does not know.
   peer.owes_want = true;
   peer.last_seen = 0;

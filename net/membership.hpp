@@ -60,6 +60,7 @@ struct Peer {
   bool owes_want = false;
   LayerIndex want_turn = 0;  ///< with which layer the next word to it begins
   hal::TimeNs vector_asked_ns = 0;
+  hal::TimeNs vector_ns = 0;  ///< when it last told all that it has; 0: never
   bool owes_vector = false;
 
   OutgoingStream out;  ///< what goes to it

@@ -24,6 +24,7 @@ void Reconciler::begin(RobotId peer, LayerIndex layer, hal::TimeNs now_ns) {
 
 void Reconciler::on_time(hal::TimeNs now_ns) {
   if (!open_) return;
+  if (store_.is_refused(open_->layer)) return end(counts_.ended_changed);
   if (now_ns - open_->heard_ns > options_.give_up_ns) return end(counts_.ended_silent);
   if (now_ns - std::max(open_->asked_ns, open_->heard_ns) >= options_.ask_again_ns) ask(now_ns);
 }

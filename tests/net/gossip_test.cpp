@@ -140,3 +140,28 @@ TEST_CASE("a robot that has kept its records but not what they complete is told 
   fleet.publish(0, 10, 100000);
   CHECK(fleet.run_until_equal(5 * kSecond_ns));
 }
+
+TEST_CASE("a robot whose layers are dropped is forgotten by all who know of it, and nobody brings it back",
+          "[net][gossip]") {
+  FleetOptions options;
+  options.robots = 4;
+  options.radio.loss = 0.2;
+  GossipFleet fleet(options);
+  for (std::uint32_t i = 0; i < 4; ++i) fleet.publish(i, 100, 300);
+  REQUIRE(fleet.run_until_equal(20 * kSecond_ns));
+  // The first two have the new key file; the third still tells of the layer, and so does its writer.
+  for (const std::uint32_t i : {0U, 1U}) REQUIRE(fleet.store(i).refuse_robot(4));
+  fleet.publish(3, 20, 300);
+  fleet.publish(0, 20, 300);
+  fleet.run(10 * kSecond_ns);
+  CHECK(fleet.store(0).digest() == fleet.store(1).digest());
+  CHECK(fleet.gossip(0).counts().refused_robots > 0);
+  REQUIRE(fleet.store(2).refuse_robot(4));
+  fleet.kill(3);
+  fleet.run(kSecond_ns);
+  REQUIRE(fleet.run_until_equal(10 * kSecond_ns));
+  const GossipFleet::Standing all = fleet.standing();
+  CHECK(all.size() > 200);
+  for (const auto& [record, version] : all) CHECK(record.first.robot != 4);
+  for (std::uint32_t i = 0; i < 3; ++i) CHECK_FALSE(fleet.store(i).drop_some(1));
+}
