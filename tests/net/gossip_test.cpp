@@ -16,13 +16,15 @@ constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
 
 /// One schedule of chance: publishing, losing, doubling, overtaking, killing, starting anew, and cutting links; then
 /// everybody hears everybody. All must come to hold the same, and nothing that anybody held then may be missing.
-void check_schedule(std::uint64_t seed) {
-  INFO("schedule " << seed);
+/// With disks, who starts anew finds there what it knew, but for what was not synced; now and then nothing at all.
+void check_schedule(std::uint64_t seed, bool has_disks = false) {
+  INFO("schedule " << seed << (has_disks ? " with disks" : ""));
   hal::SeededRandom random(seed);
   FleetOptions options;
   options.robots = 2 + static_cast<std::uint32_t>(random.bits() % 4);
   options.radio = {
       random.uniform() * 0.5, random.uniform() * 0.2, random.uniform() * 0.2, 2'000'000, 5'000'000, 60'000'000, seed};
+  options.has_disks = has_disks;
   GossipFleet fleet(options);
   const int events = 5 + static_cast<int>(random.bits() % 20);
   for (int e = 0; e < events; ++e) {
@@ -32,6 +34,7 @@ void check_schedule(std::uint64_t seed) {
         if (fleet.is_alive(robot)) {
           fleet.kill(robot);
         } else {
+          if (has_disks && random.bits() % 8 == 0) fleet.lose_disk(robot);
           fleet.start(robot);
         }
         break;
@@ -86,6 +89,11 @@ TEST_CASE("whatever the radio does, all who hear each other come to hold the sam
   for (std::uint64_t seed = 1; seed <= 50; ++seed) check_schedule(seed);
 }
 
+TEST_CASE("who keeps its disk goes on where it was, whatever the radio does and whenever its power is cut",
+          "[net][gossip]") {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) check_schedule(seed, true);
+}
+
 TEST_CASE("a payload that fits no datagram is not published", "[net][gossip]") {
   FleetOptions options;
   options.robots = 1;
@@ -98,6 +106,14 @@ TEST_CASE("a payload that fits no datagram is not published", "[net][gossip]") {
 
 TEST_CASE("a thousand schedules", "[net][gossip][slow]") {
   for (std::uint64_t seed = 51; seed <= 1050; ++seed) check_schedule(seed);
+}
+
+TEST_CASE("a thousand schedules of robots that keep their disks", "[net][gossip][slow]") {
+  for (std::uint64_t seed = 51; seed <= 1050; ++seed) check_schedule(seed, true);
+}
+
+TEST_CASE("a hundred thousand schedules of robots that keep their disks", "[net][gossip][.soak]") {
+  for (std::uint64_t seed = 1000; seed < 101000; ++seed) check_schedule(seed, true);
 }
 
 TEST_CASE("a hundred thousand schedules", "[net][gossip][.soak]") {

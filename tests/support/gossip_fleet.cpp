@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/gossip_fleet.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <utility>
 
 namespace g3d::tests {
 
@@ -11,15 +15,28 @@ GossipFleet::Robot::Robot(GossipFleet& of, std::uint32_t its_number, std::uint32
       number(its_number),
       heard(of.options_.robots, 0),
       store(of.options_.store),
+      keeper([&]() -> std::unique_ptr<net::LayerKeeper> {
+        if (!of.options_.has_disks) return nullptr;
+        net::KeeperOptions options;
+        options.folder = of.folder_of(its_number);
+        options.robot = its_number + 1;
+        options.ring_bytes = std::size_t{1} << 20;
+        options.has_thread = false;
+        options.reserve = 500;
+        return std::move(net::LayerKeeper::open(options, store)).value();
+      }()),
       gossip(
           [&] {
             net::GossipOptions options;
-            options.self = {its_number + 1, incarnation};
+            options.self = keeper ? keeper->self() : net::LayerId{its_number + 1, incarnation};
+            options.restored_upto = keeper ? keeper->restored_upto() : 0;
             options.seed = of.random_.bits();
             options.bandwidth_Bps = of.options_.bandwidth_Bps;
             return options;
           }(),
-          store, *this) {}
+          store, *this) {
+  if (keeper) gossip.set_version_limit(keeper->version_limit());
+}
 
 bool GossipFleet::Robot::send(net::Address to, mapper::ByteSpan message) {
   const std::uint32_t station =
@@ -39,14 +56,28 @@ GossipFleet::GossipFleet(const FleetOptions& options)
       random_(options.radio.seed * 77 + 5),
       starts_(options.robots, 0),
       robots_(options.robots) {
+  if (options.has_disks) {
+    disks_ = std::make_unique<test::TempFolder>();
+    disk_instead_.emplace(hasty_disk_);
+  }
   for (std::uint32_t i = 0; i < options.robots; ++i) start(i);
 }
+
+std::string GossipFleet::folder_of(std::uint32_t i) const { return *disks_ / fmt::format("robot{}", i + 1); }
+
+void GossipFleet::lose_disk(std::uint32_t i) { std::filesystem::remove_all(folder_of(i)); }
 
 void GossipFleet::start(std::uint32_t i) { robots_[i] = std::make_unique<Robot>(*this, i, ++starts_[i]); }
 
 void GossipFleet::kill(std::uint32_t i) {
+  const std::uint64_t synced_bytes = options_.has_disks ? robots_[i]->keeper->writer().synced_bytes() : 0;
   robots_[i].reset();
   radio_.forget(i);
+  if (!options_.has_disks || random_.bits() % 2 == 0) return;
+  const std::string journal = folder_of(i) + "/layers.journal";
+  const std::uint64_t whole_bytes = std::filesystem::file_size(journal);
+  if (whole_bytes <= synced_bytes) return;
+  std::filesystem::resize_file(journal, synced_bytes + random_.bits() % (whole_bytes - synced_bytes));
 }
 
 void GossipFleet::step() {
@@ -61,7 +92,11 @@ void GossipFleet::step() {
     robots_[to]->gossip.on_message({from + 1, start, from + 1}, datagram.subspan(sizeof start), now_ns_);
   });
   for (const auto& robot : robots_) {
-    if (robot != nullptr) robot->gossip.on_time(now_ns_);
+    if (robot == nullptr) continue;
+    robot->gossip.on_time(now_ns_);
+    if (!robot->keeper) continue;
+    robot->keeper->on_time(robot->gossip.version(), now_ns_);
+    robot->gossip.set_version_limit(robot->keeper->version_limit());
   }
 }
 

@@ -6,10 +6,15 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "hal/disk.hpp"
 #include "net/gossip.hpp"
+#include "net/layer_keeper.hpp"
 #include "net/sim_radio.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace g3d::tests {
 
@@ -20,6 +25,7 @@ struct FleetOptions {
   double bandwidth_Bps = 250'000.0;
   hal::TimeNs step_ns = 10'000'000;
   std::size_t payload_bytes = 60;  ///< of publish_scan(), in the mean
+  bool has_disks = false;          ///< what a robot knows lies in a folder, and is found there by its next start
 };
 
 class GossipFleet {
@@ -36,9 +42,12 @@ class GossipFleet {
   /// So many blocks that neighbour each other, as a scan changes them, in an order by lane and key. Returns the bytes
   /// of their payloads.
   std::size_t publish_scan(std::uint32_t i, int blocks);
+  /// With a disk: some or all of what was not synced may be missing there afterwards.
   void kill(std::uint32_t i);
-  /// A new start of a robot: as a new incarnation, with nothing in memory.
+  /// A new start of a robot: as a new incarnation with nothing in memory, or as its disk has it.
   void start(std::uint32_t i);
+  /// Nothing of its disk is left. Not while it lives.
+  void lose_disk(std::uint32_t i);
   /// Who hears whom: groups that do not hear each other. All the same: everybody.
   void set_group(std::uint32_t i, int group) { groups_[i] = group; }
   void join_all() { std::fill(groups_.begin(), groups_.end(), 0); }
@@ -46,6 +55,7 @@ class GossipFleet {
   [[nodiscard]] bool is_alive(std::uint32_t i) const { return robots_[i] != nullptr; }
   [[nodiscard]] net::Gossip& gossip(std::uint32_t i) { return robots_[i]->gossip; }
   [[nodiscard]] net::LayerStore& store(std::uint32_t i) { return robots_[i]->store; }
+  [[nodiscard]] net::LayerKeeper& keeper(std::uint32_t i) { return *robots_[i]->keeper; }
   [[nodiscard]] net::SimRadio& radio() { return radio_; }
   [[nodiscard]] hal::TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] hal::SeededRandom& random() { return random_; }
@@ -67,11 +77,20 @@ class GossipFleet {
     std::uint32_t number;
     std::vector<std::uint32_t> heard;  ///< by robot: from which of its starts
     net::LayerStore store;
+    std::unique_ptr<net::LayerKeeper> keeper;
     net::Gossip gossip;
   };
+  /// fsync waits for nothing here.
+  struct HastyDisk final : hal::Disk {
+    [[nodiscard]] int fsync(int) override { return 0; }
+  };
   void step();
+  [[nodiscard]] std::string folder_of(std::uint32_t i) const;
 
   FleetOptions options_;
+  std::unique_ptr<test::TempFolder> disks_;
+  HastyDisk hasty_disk_;
+  std::optional<hal::DiskInstead> disk_instead_;
   std::vector<int> groups_;
   net::SimRadio radio_;
   hal::SeededRandom random_;
