@@ -95,7 +95,7 @@ hal::Result<void> write_layer_identity(const std::string& path, const LayerIdent
   return written ? file.value().commit() : written;
 }
 
-std::uint32_t fresh_incarnation() {
+std::uint32_t random_incarnation() {
   std::uint32_t number = 0;
   while (sodium_init() < 0 || number == 0) number = randombytes_random();
   return number;

@@ -94,7 +94,7 @@ void LayerKeeper::take_identity() {
     const LayerIndex layer = store_.find(identity.self);
     return identity.self.robot == options_.robot && (layer == kNoLayer || store_.highest(layer) <= identity.reserved);
   };
-  if (read && fits(read.value())) {
+  if (read && fits(read.value()) && find_first_submap(read.value().self) < kMaxSubmaps) {
     identity_ = read.value();
     restored_upto_ = identity_.reserved;
     identity_.reserved += options_.reserve;
@@ -104,22 +104,29 @@ void LayerKeeper::take_identity() {
       if (const LayerIndex own = store_.find_or_add(identity_.self); own != kNoLayer) {
         // What it lacks is asked for from others as what lies between: see own_layer.hpp.
         store_.set_unclaimed(own, false);
-        store_.for_each(own, [&](const StoredRecord& record) {
-          if (kind_of(record.key) != RecordKind::status) {
-            first_submap_ = std::max(first_submap_, submap_of_key(record.key) + 1);
-          }
-        });
       }
       return;
     }
   }
   // Nobody will go on with this layer unless the disk has taken its name; then it has taken the versions as well.
   do {
-    identity_ = {{options_.robot, fresh_incarnation()}, options_.reserve};
+    identity_ = {{options_.robot, random_incarnation()}, options_.reserve};
   } while (store_.find(identity_.self) != kNoLayer);
   restored_upto_ = 0;
+  first_submap_ = 0;
   first_reserved_ = identity_.reserved;
   is_named_ = write_layer_identity(path, identity_).ok();
+}
+
+std::uint32_t LayerKeeper::find_first_submap(const LayerId& self) {
+  first_submap_ = 0;
+  const LayerIndex own = store_.find(self);
+  if (own == kNoLayer) return 0;
+  store_.for_each(own, [&](const StoredRecord& record) {
+    if (kind_of(record.key) == RecordKind::status) return;
+    first_submap_ = std::max(first_submap_, submap_of_key(record.key) + 1);
+  });
+  return first_submap_;
 }
 
 std::optional<hal::Error> LayerKeeper::trouble() const {

@@ -82,6 +82,7 @@ class LayerKeeper final : public StoreWatch {
   [[nodiscard]] bool lock();
   void restore();
   void take_identity();
+  std::uint32_t find_first_submap(const LayerId& self);
   void on_record(LayerIndex layer, const StoredRecord& record, mapper::ByteSpan payload) override;
   void on_claim(LayerIndex layer) override { claims_[layer] = true; }
   void on_refused_robot(RobotId) override { is_due_ = true; }

@@ -1,28 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/map_sharing.hpp"
 
+#include <utility>
+
 namespace g3d::net {
 namespace {
 
-MergedOptions others_options(const SharingOptions& options, const mapper::VoxelMap& own) {
+SharingOptions kept_options(SharingOptions options, const LayerKeeper* keeper) {
+  if (keeper == nullptr) return options;
+  options.gossip.self = keeper->self();
+  options.gossip.restored_upto = keeper->restored_upto();
+  return options;
+}
+
+MergedOptions others_options(const SharingOptions& options, const mapper::VoxelMap& own, std::uint32_t first_submap) {
   MergedOptions merged;
   merged.grid = own.grid();
   merged.merged = own.capacity();
   merged.submap = own.capacity();
   merged.most_submaps = options.most_submaps;
   merged.left_out = options.gossip.self;
+  merged.left_out_from = first_submap;
   return merged;
 }
 
 }  // namespace
 
-MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link)
-    : options_(options),
-      store_(options.store),
-      gossip_(options.gossip, store_, link),
-      writer_(own, gossip_, store_, options.band),
-      others_(others_options(options, own)),
-      view_(own, others_.map()) {}
+MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link,
+                       std::unique_ptr<KeptLayers> kept)
+    : kept_(kept ? std::move(kept) : std::make_unique<KeptLayers>(options.store)),
+      options_(kept_options(options, keeper())),
+      gossip_(options_.gossip, kept_->store, link),
+      writer_(own, gossip_, kept_->store, options.band, keeper() ? keeper()->first_submap() : 0),
+      others_(others_options(options_, own, keeper() ? keeper()->first_submap() : 0)),
+      view_(own, others_.map()) {
+  if (keeper() != nullptr) gossip_.set_version_limit(keeper()->version_limit());
+}
+
+void MapSharing::drop(std::span<const RobotId> robots) {
+  for (const RobotId robot : robots) {
+    if (robot != options_.gossip.self.robot) (void)kept_->store.refuse_robot(robot);
+  }
+}
+
+void MapSharing::close() {
+  if (kept_->keeper) kept_->keeper->close(gossip_.version());
+}
 
 std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
   if (now_ns - published_ns_ >= options_.round_ns) {
@@ -32,9 +55,13 @@ std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
         static_cast<std::size_t>(options_.gossip.bandwidth_Bps * options_.share_of_bandwidth * round_s), now_ns);
   }
   gossip_.on_time(now_ns);
+  if (kept_->keeper) {
+    kept_->keeper->on_time(gossip_.version(), now_ns);
+    gossip_.set_version_limit(kept_->keeper->version_limit());
+  }
   if (now_ns - merged_ns_ < options_.merge_every_ns) return {};
   merged_ns_ = now_ns;
-  others_.update(store_);
+  others_.update(kept_->store);
   return view_.on_others(others_.changed_keys());
 }
 

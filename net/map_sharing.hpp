@@ -5,15 +5,20 @@
 //   own map ─changed blocks─▶ LayerWriter ─▶ LayerStore ◀─▶ Gossip ◀─▶ radio
 //      └──────▶ SharedView ◀── MergedMap of the others' layers ◀──┘
 //
+// With a folder to keep layers in, a restart finds them again: the own map goes on in a submap of its own, and what
+// this robot had seen before counts like what others have.
+//
 // All calls from one thread, but for what LayerWriter says. Merging allocates: see MergedMap.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "hal/messages.hpp"
 #include "mapper/voxel_map.hpp"
 #include "net/gossip.hpp"
+#include "net/kept_layers.hpp"
 #include "net/layer_writer.hpp"
 #include "net/merged_map.hpp"
 #include "net/shared_view.hpp"
@@ -32,8 +37,10 @@ struct SharingOptions {
 
 class MapSharing {
  public:
-  /// `own` and `link` outlive this.
-  MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link);
+  /// `own` and `link` outlive this. `kept`: with what an earlier start has left, and then as whom we write; nullptr:
+  /// nothing is kept.
+  MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link,
+             std::unique_ptr<KeptLayers> kept = nullptr);
 
   /// Where our map stands in the world.
   void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
@@ -46,15 +53,22 @@ class MapSharing {
   /// Every 5 to 20 ms. Returns slots of view().map() that others' news have changed, until the next call of the view.
   std::span<const std::uint32_t> on_time(hal::TimeNs now_ns);
 
+  /// Nobody keeps what these robots have mapped: their layers go, also from the disk. Ourselves excepted.
+  void drop(std::span<const RobotId> robots);
+  /// Before a restart that was meant: what is left goes to the disk. Waits for it.
+  void close();
+
   [[nodiscard]] SharedView& view() { return view_; }
   [[nodiscard]] const Gossip& gossip() const { return gossip_; }
-  [[nodiscard]] const LayerStore& store() const { return store_; }
+  [[nodiscard]] const LayerStore& store() const { return kept_->store; }
+  /// nullptr: nothing is kept.
+  [[nodiscard]] const LayerKeeper* keeper() const { return kept_->keeper.get(); }
   [[nodiscard]] const LayerWriter& writer() const { return writer_; }
   [[nodiscard]] const MergedMap& others() const { return others_; }
 
  private:
+  std::unique_ptr<KeptLayers> kept_;
   SharingOptions options_;
-  LayerStore store_;
   Gossip gossip_;
   LayerWriter writer_;
   MergedMap others_;

@@ -95,7 +95,7 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
 
 void MergedMap::take(const LayerStore& store, LayerIndex layer, RecordKey key) {
   if (store.is_refused(layer)) return drop(layer);
-  if (options_.left_out == store.id(layer)) return;
+  if (options_.left_out == store.id(layer) && submap_of_key(key) >= options_.left_out_from) return;
   if (kind_of(key) == RecordKind::block) take_block(store, layer, key);
   if (kind_of(key) == RecordKind::submap_pose) take_pose(store, layer, submap_of_key(key));
 }

@@ -30,7 +30,8 @@ struct MergedOptions {
   mapper::MapCapacity submap;
   std::size_t most_submaps = 64;  ///< of all layers together
   std::optional<LayerId> left_out =
-      std::nullopt;  ///< a layer that does not count: a robot's own, which it knows better
+      std::nullopt;                 ///< a layer that does not count: a robot's own, which it knows better
+  std::uint32_t left_out_from = 0;  ///< of that layer, this submap and those after it; earlier starts wrote the others
 };
 
 struct MergedCounts {

@@ -4,10 +4,12 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <memory>
+#include <utility>
 
 #include "mapper/map_hash.hpp"
 #include "net/sim_radio.hpp"
 #include "tests/support/sample_maps.hpp"
+#include "tests/support/temp_folder.hpp"
 
 using namespace g3d;
 
@@ -64,4 +66,47 @@ TEST_CASE("what one robot has seen comes into the view by which the other drives
   CHECK(both.robots[0]->changed == 0);
   CHECK(both.robots[0]->sharing->others().submap_count() == 0);
   CHECK(both.robots[0]->sharing->store().digest() == both.robots[1]->sharing->store().digest());
+}
+
+TEST_CASE("a robot that comes back sees what it and others had seen, though nobody is there", "[net][keeper]") {
+  struct Nobody final : net::Link {
+    bool send(net::Address, mapper::ByteSpan) override { return true; }
+  } nobody;
+  const test::TempFolder folder;
+  const auto room = tests::furnished_room(0.1F);
+  const mapper::VoxelMap empty(room->grid(), room->capacity());
+  net::SharingOptions options;
+  options.store = {8, 1U << 13, std::size_t{4} << 20};
+  net::KeeperOptions keeper;
+  keeper.folder = folder / "layers";
+  keeper.robot = 5;
+  keeper.has_thread = false;
+  net::LayerId self;
+  for (int start = 0; start < 3; ++start) {
+    auto kept = net::KeptLayers::open(keeper, options.store);
+    REQUIRE(kept);
+    net::MapSharing sharing(options, start == 0 ? *room : empty, nobody, std::move(kept).value());
+    if (start == 0) self = sharing.gossip().options().self;
+    CHECK(self.robot == 5);
+    CHECK(sharing.gossip().options().self == self);
+    hal::TimeNs now_ns = 1'000'000'000;
+    sharing.publish_pose({}, now_ns);
+    if (start == 0) {
+      for (std::uint32_t slot = 0; slot < room->slot_end(); ++slot) sharing.note_changed(std::array{slot});
+    }
+    for (const hal::TimeNs end_ns = now_ns + 20'000'000'000; now_ns < end_ns; now_ns += 10'000'000) {
+      (void)sharing.on_time(now_ns);
+    }
+    // What it sees itself is no news to it; what it saw before is.
+    CHECK(sharing.others().submap_count() == static_cast<std::size_t>(start));
+    if (start > 0) CHECK(mapper::map_hash(sharing.view().map()) == mapper::map_hash(*room));
+    if (start == 1) {
+      // Its own layers stay, whoever is dropped.
+      sharing.drop(std::array<net::RobotId, 2>{5, 6});
+      CHECK_FALSE(sharing.store().is_refused_robot(5));
+      CHECK(sharing.store().is_refused_robot(6));
+    }
+    // Switched off, or only fallen down.
+    if (start == 0) sharing.close();
+  }
 }
