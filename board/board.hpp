@@ -12,7 +12,8 @@ struct Board {
   std::string name = "host_sim";
 
   // [base] the Kobuki at the end of a serial line
-  std::string base_line = "sim";  ///< "sim": a simulated building's; "auto": found by its USB strings; else the port
+  /// "sim": a simulated building's; "auto": found by its USB strings; "none": a base station; else the port
+  std::string base_line = "sim";
 
   // [camera] pinhole intrinsics of the depth image, colour registered to it
   std::string camera_source = "sim";  ///< of live frames: "sim", in the same building; "none": the base stands
@@ -52,6 +53,18 @@ struct Board {
   // [ground] heights that block the robot: the band that ground.pgm is made from
   double ground_low_m = 0.05;
   double ground_high_m = 0.6;
+
+  // [network] the fleet that it shares its map with
+  std::string network_key = "none";    ///< file with the fleet's key; "none": the robot is alone
+  std::string network_robot = "auto";  ///< its id, 1 to 16 hexadecimal digits; "auto": from what the machine is called
+  int network_port = 7177;             ///< UDP, also of the multicast group
+  std::string network_group = "239.255.71.77";  ///< multicast, where robots find each other; "none": by peers alone
+  std::string network_interface = "auto";       ///< of the multicast group; "auto": the system's choice
+  std::string network_peers = "none";           ///< addresses to find besides: "10.0.0.2:7177,10.0.0.3:7177"
+  double network_bandwidth_kBps = 250.0;        ///< what it may send
+  double network_x_m = 0.0;                     ///< where its map's origin lies in the fleet's world ...
+  double network_y_m = 0.0;
+  double network_yaw_deg = 0.0;  ///< ... and how its x axis is turned there
 
   bool operator==(const Board&) const = default;
 };

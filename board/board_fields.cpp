@@ -8,7 +8,14 @@ namespace g3d::board {
 std::span<const BoardField> board_fields() {
   static const std::vector<BoardField> fields = {
       {"", "name", &Board::name, 0, 0, "", "what reports call this robot", {}},
-      {"base", "line", &Board::base_line, 0, 0, "", "sim, auto (found by its USB strings) or the port's path", {}},
+      {"base",
+       "line",
+       &Board::base_line,
+       0,
+       0,
+       "",
+       "sim, auto (found by its USB strings), none or the port's path",
+       {}},
       {"camera", "source", &Board::camera_source, 0, 0, "", "where live frames come from", {"sim", "none"}},
       {"camera", "width_px", &Board::camera_width_px, 16, 2048, "px", "image width", {}},
       {"camera", "height_px", &Board::camera_height_px, 16, 2048, "px", "image height", {}},
@@ -66,6 +73,16 @@ std::span<const BoardField> board_fields() {
       {"robot", "height_m", &Board::robot_height_m, 0.05, 3, "m", "", {}},
       {"ground", "low_m", &Board::ground_low_m, -1, 3, "m", "lowest height that blocks the way", {}},
       {"ground", "high_m", &Board::ground_high_m, -1, 3, "m", "highest height that blocks the way", {}},
+      {"network", "key", &Board::network_key, 0, 0, "", "file of the fleet's key, or none", {}, kMaxLongTextBytes},
+      {"network", "robot", &Board::network_robot, 0, 0, "", "its id in hexadecimal, or auto", {}},
+      {"network", "port", &Board::network_port, 1, 65535, "", "UDP", {}},
+      {"network", "group", &Board::network_group, 0, 0, "", "multicast address, or none", {}},
+      {"network", "interface", &Board::network_interface, 0, 0, "", "that multicast goes by, or auto", {}},
+      {"network", "peers", &Board::network_peers, 0, 0, "", "address:port,... or none", {}, kMaxLongTextBytes},
+      {"network", "bandwidth_kBps", &Board::network_bandwidth_kBps, 2, 1e6, "kB/s", "what it may send", {}},
+      {"network", "x_m", &Board::network_x_m, -1e5, 1e5, "m", "of its map's origin in the fleet's world", {}},
+      {"network", "y_m", &Board::network_y_m, -1e5, 1e5, "m", "the same", {}},
+      {"network", "yaw_deg", &Board::network_yaw_deg, -180, 180, "deg", "how its map is turned there", {}},
   };
   return fields;
 }
@@ -74,7 +91,7 @@ std::string allowed_text(const BoardField& field) {
   if (!std::holds_alternative<std::string Board::*>(field.member)) {
     return fmt::format("{} to {}{}{}", field.low, field.high, field.unit.empty() ? "" : " ", field.unit);
   }
-  if (field.choices.empty()) return fmt::format("a text of 1 to {} printable bytes", kMaxNameBytes);
+  if (field.choices.empty()) return fmt::format("a text of 1 to {} printable bytes", field.most_bytes);
   return fmt::format("{}", fmt::join(field.choices, ", "));
 }
 

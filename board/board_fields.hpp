@@ -13,6 +13,10 @@
 
 namespace g3d::board {
 
+inline constexpr std::size_t kMaxNameBytes = 64;
+/// Paths, and lists of addresses.
+inline constexpr std::size_t kMaxLongTextBytes = 1024;
+
 struct BoardField {
   std::string_view table;  ///< empty: top level
   std::string_view key;
@@ -21,10 +25,9 @@ struct BoardField {
   double high = 0.0;
   std::string_view unit;
   std::string_view meaning;
-  std::vector<std::string_view> choices;  ///< of texts; empty: any of at most kMaxNameBytes
+  std::vector<std::string_view> choices;   ///< of texts; empty: any of at most most_bytes
+  std::size_t most_bytes = kMaxNameBytes;  ///< of texts
 };
-
-inline constexpr std::size_t kMaxNameBytes = 64;
 
 [[nodiscard]] std::span<const BoardField> board_fields();
 /// "0.002 to 1 m" or "static, dynamic"

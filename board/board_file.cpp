@@ -35,7 +35,7 @@ bool is_printable(const std::string& text) {
 }
 
 bool is_allowed(const BoardField& field, const std::string& text) {
-  if (field.choices.empty()) return !text.empty() && text.size() <= kMaxNameBytes && is_printable(text);
+  if (field.choices.empty()) return !text.empty() && text.size() <= field.most_bytes && is_printable(text);
   return std::find(field.choices.begin(), field.choices.end(), text) != field.choices.end();
 }
 
@@ -118,8 +118,9 @@ Result<void> check_together(const Board& board, std::string_view file) {
   const auto error = [&](std::string_view what) {
     return Error{Reason::out_of_range, fmt::format("{}: {}", file, what)};
   };
-  if (board.base_line != "sim" && board.base_line != "auto" && board.base_line.front() != '/') {
-    return error("base.line must be sim, auto, or the whole path of a serial port such as /dev/ttyUSB0");
+  if (board.base_line != "sim" && board.base_line != "auto" && board.base_line != "none" &&
+      board.base_line.front() != '/') {
+    return error("base.line must be sim, auto, none, or the whole path of a serial port such as /dev/ttyUSB0");
   }
   if (board.map_near_m >= board.map_far_m) return error("map.near_m must be below map.far_m");
   if (board.ground_low_m >= board.ground_high_m) return error("ground.low_m must be below ground.high_m");

@@ -35,7 +35,7 @@ TEST_CASE("no key stands twice and tables stand together") {
       table = field.table;
     }
   }
-  CHECK(names.size() == 31);
+  CHECK(names.size() == 41);
 }
 
 TEST_CASE("what is allowed is said with its unit") {
@@ -43,5 +43,7 @@ TEST_CASE("what is allowed is said with its unit") {
     if (field.key == "resolution_m") CHECK(allowed_text(field) == "0.002 to 1 m");
     if (field.key == "mode") CHECK(allowed_text(field) == "static, dynamic");
     if (field.key == "threads") CHECK(allowed_text(field) == "1 to 64");
+    if (field.key == "name") CHECK(allowed_text(field) == "a text of 1 to 64 printable bytes");
+    if (field.key == "peers") CHECK(allowed_text(field) == "a text of 1 to 1024 printable bytes");
   }
 }

@@ -41,6 +41,23 @@ TEST_CASE("a base's line is simulated, found, or named by its whole path") {
   CHECK(named.value().camera_source == "none");
 }
 
+TEST_CASE("a fleet is named by its key, and peers by a list that may be long") {
+  CHECK(parse_board("", "b.toml").value().network_key == "none");
+  std::string peers = "10.0.0.1:7177";
+  for (int i = 2; i < 40; ++i) peers += ",10.0.0." + std::to_string(i) + ":7177";
+  const auto parsed = parse_board("[network]\nkey = \"fleet.key\"\nrobot = \"c0ffee\"\nport = 4711\npeers = \"" +
+                                      peers + "\"\nx_m = -3.5\nyaw_deg = 90\n",
+                                  "b.toml");
+  REQUIRE(parsed);
+  CHECK(parsed.value().network_key == "fleet.key");
+  CHECK(parsed.value().network_robot == "c0ffee");
+  CHECK(parsed.value().network_port == 4711);
+  CHECK(parsed.value().network_peers == peers);
+  CHECK(parsed.value().network_x_m == -3.5);
+  CHECK(parsed.value().network_yaw_deg == 90.0);
+  CHECK(parse_board(board::to_text(parsed.value()), "printed").value() == parsed.value());
+}
+
 TEST_CASE("the printed board reads back to the same board") {
   Board board;
   board.name = "odd one";
@@ -79,9 +96,11 @@ TEST_CASE("errors of a board file name file, line and what is allowed") {
       {"[.05\n", Reason::malformed, "b.toml:1: "},
       {"name = \"\"\n", Reason::out_of_range, "1 to 64 printable"},
       {"[map]\nnear_m = 4\n", Reason::out_of_range, "near_m must be below map.far_m"},
-      {"[base]\nline = \"ttyUSB0\"\n", Reason::out_of_range, "b.toml: base.line must be sim, auto, or the whole path"},
+      {"[base]\nline = \"ttyUSB0\"\n", Reason::out_of_range, "b.toml: base.line must be sim, auto, none, or the whole"},
       {"[base]\nline = \"\"\n", Reason::out_of_range, "b.toml:2: base.line is "},
       {"[base]\nline = 3\n", Reason::malformed, "b.toml:2: base.line must be a text in quotes"},
+      {"[network]\nport = 0\n", Reason::out_of_range, "b.toml:2: network.port is 0, allowed are 1 to 65535"},
+      {"[network]\nkey = \"\"\n", Reason::out_of_range, "b.toml:2: network.key is "},
       {"[camera]\nsource = \"webcam\"\n", Reason::out_of_range, "camera.source is webcam, allowed are sim, none"},
       {"[ground]\nlow_m = 1\n", Reason::out_of_range, "ground.low_m must be below"},
       {"[camera]\nwidth_px = 160\n", Reason::out_of_range, "within the image"},
@@ -106,6 +125,11 @@ TEST_CASE("the boards that come with the program are good") {
   const auto host = board::load_board("board/host_sim.toml");
   REQUIRE(host);
   CHECK(host.value() == Board{});
+  const auto station = board::load_board("board/base_station.toml");
+  REQUIRE(station);
+  CHECK(station.value().base_line == "none");
+  CHECK(station.value().camera_source == "none");
+  CHECK(station.value().network_key != "none");
   const auto kobuki = board::load_board("board/kobuki_tx2.toml");
   REQUIRE(kobuki);
   CHECK(kobuki.value().name == "kobuki_tx2");
