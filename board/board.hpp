@@ -57,12 +57,13 @@ struct Board {
   // [network] the fleet that it shares its map with
   std::string network_key = "none";    ///< file with the fleet's key; "none": the robot is alone
   std::string network_robot = "auto";  ///< its id, 1 to 16 hexadecimal digits; "auto": from what the machine is called
-  int network_port = 7177;             ///< UDP, also of the multicast group
+  int network_port = 7177;             ///< UDP, what others answer to; where it is taken, any free one
   std::string network_group = "239.255.71.77";  ///< multicast, where robots find each other; "none": by peers alone
-  std::string network_interface = "auto";       ///< of the multicast group; "auto": the system's choice
-  std::string network_peers = "none";           ///< addresses to find besides: "10.0.0.2:7177,10.0.0.3:7177"
-  double network_bandwidth_kBps = 250.0;        ///< what it may send
-  double network_x_m = 0.0;                     ///< where its map's origin lies in the fleet's world ...
+  int network_group_port = 7176;
+  std::string network_interface = "auto";  ///< that multicast goes through; "auto": every one that is up
+  std::string network_peers = "none";      ///< addresses to find besides: "10.0.0.2:7177,10.0.0.3:7177"
+  double network_bandwidth_kBps = 250.0;   ///< what it may send
+  double network_x_m = 0.0;                ///< where its map's origin lies in the fleet's world ...
   double network_y_m = 0.0;
   double network_yaw_deg = 0.0;  ///< ... and how its x axis is turned there
 

@@ -175,6 +175,7 @@ void RobotThreads::integrate(JudgedFrame& judged) {
   integrated_.fetch_add(1, std::memory_order_relaxed);
   if (!poses_.try_push({frame.stamp_ns, judged.sight.T_world_camera})) ++lost_poses_;
 
+  if (note_changed_) note_changed_(mapper_.changed_slots());
   shown_ = judged;
   showing_ = Showing::frame;
   hand_over();
@@ -264,7 +265,11 @@ void RobotThreads::step(hal::TimeNs now) {
 void RobotThreads::take_map(hal::TimeNs now) {
   if (!navigators_turn_.load(std::memory_order_acquire)) return;
   if (showing_ == Showing::frame) {
-    navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
+    if (shared_ == nullptr) {
+      navigator_.on_map(mapper_.map(), mapper_.changed_slots(), mapper_.card_columns(), now);
+    } else {
+      take_shared_map(now);
+    }
     navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.sight.T_world_base, now);
   } else {
     navigator_.on_map_moving(mapper_.map(), moved_slots_);
@@ -273,6 +278,13 @@ void RobotThreads::take_map(hal::TimeNs now) {
   navigators_turn_.store(false, std::memory_order_release);
   map_waits_.wake();
   add_time(Stage::ground, now);
+}
+
+void RobotThreads::take_shared_map(hal::TimeNs now) {
+  const auto own = shared_->on_own(mapper_.map(), mapper_.changed_slots());
+  navigator_.on_map(shared_->map(), own, {}, now);
+  const auto news = shared_->take_news();
+  if (!news.empty()) navigator_.on_map(shared_->map(), news, {}, now);
 }
 
 void RobotThreads::tell(hal::TimeNs now) {

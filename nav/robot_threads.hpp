@@ -16,8 +16,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "hal/depth_camera.hpp"
@@ -36,6 +38,7 @@
 #include "nav/placing.hpp"
 #include "nav/robot.hpp"
 #include "nav/senses.hpp"
+#include "nav/shared_sight.hpp"
 
 namespace g3d::nav {
 
@@ -72,6 +75,13 @@ class RobotThreads {
   RobotThreads(const RobotThreads&) = delete;
   RobotThreads& operator=(const RobotThreads&) = delete;
 
+  /// From now on it drives by this, which outlives its threads; used by the navigator's thread alone, while the map is
+  /// its own. `note_changed` is told of every frame's changed slots, by the mapper's thread. Before start(), and not
+  /// with loops.
+  void share(SharedSight& shared, std::function<void(std::span<const std::uint32_t> slots)> note_changed) {
+    shared_ = &shared;
+    note_changed_ = std::move(note_changed);
+  }
   /// Once. It drives as soon as base and camera have proven themselves.
   void start();
   /// Zeros to the base first; then every frame under way goes into the map, and the threads end. Once stopped it is not
@@ -133,6 +143,7 @@ class RobotThreads {
   void take_base(hal::TimeNs now);
   void take_words(hal::TimeNs now);
   void take_map(hal::TimeNs now);
+  void take_shared_map(hal::TimeNs now);
   void step(hal::TimeNs now);
   void tell(hal::TimeNs now);
   void drop(hal::DropReason reason);
@@ -149,6 +160,8 @@ class RobotThreads {
   Placing placing_;                                       // the mapper thread's
   std::unique_ptr<mapper::submaps::DrivingLoops> loops_;  // as well
   Navigator navigator_;
+  SharedSight* shared_ = nullptr;
+  std::function<void(std::span<const std::uint32_t>)> note_changed_;
 
   hal::FramePool pool_;
   hal::Ring<JudgedFrame> to_mapper_;

@@ -21,6 +21,7 @@ MergedOptions others_options(const SharingOptions& options, const mapper::VoxelM
   merged.most_submaps = options.most_submaps;
   merged.left_out = options.gossip.self;
   merged.left_out_from = first_submap;
+  merged.T_world_merged = options.T_world_map;
   return merged;
 }
 
@@ -48,6 +49,11 @@ void MapSharing::close() {
 }
 
 std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
+  const std::span<const mapper::BlockKey> keys = on_time_apart(now_ns);
+  return keys.empty() ? std::span<const std::uint32_t>{} : view_.on_others(keys);
+}
+
+std::span<const mapper::BlockKey> MapSharing::on_time_apart(hal::TimeNs now_ns) {
   if (now_ns - published_ns_ >= options_.round_ns) {
     published_ns_ = now_ns;
     const double round_s = static_cast<double>(options_.round_ns) * 1e-9;
@@ -62,7 +68,7 @@ std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
   if (now_ns - merged_ns_ < options_.merge_every_ns) return {};
   merged_ns_ = now_ns;
   others_.update(kept_->store);
-  return view_.on_others(others_.changed_keys());
+  return others_.changed_keys();
 }
 
 }  // namespace g3d::net

@@ -30,6 +30,7 @@ struct SharingOptions {
   StoreLimits store;
   GroundBand band;
   std::size_t most_submaps = 16;             ///< of the others together
+  hal::Pose T_world_map;                     ///< of our own map: others' are brought into its frame
   hal::TimeNs round_ns = 500'000'000;        ///< own changes are published so often
   double share_of_bandwidth = 0.5;           ///< that own news may take; the rest is for what was lost, and for others'
   hal::TimeNs merge_every_ns = 200'000'000;  ///< others' changes are taken so often
@@ -52,6 +53,9 @@ class MapSharing {
   }
   /// Every 5 to 20 ms. Returns slots of view().map() that others' news have changed, until the next call of the view.
   std::span<const std::uint32_t> on_time(hal::TimeNs now_ns);
+  /// The same for a robot that drives by a view in another thread (live_view.hpp): keys of blocks of others().map()
+  /// that have changed, until the next call. Leaves view() alone.
+  std::span<const mapper::BlockKey> on_time_apart(hal::TimeNs now_ns);
 
   /// Nobody keeps what these robots have mapped: their layers go, also from the disk. Ourselves excepted.
   void drop(std::span<const RobotId> robots);

@@ -89,7 +89,7 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
     submap->sampler->add_target_keys(all, due_);
     ++counts_.moved_submaps;
   }
-  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, hal::Pose{});
+  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, options_.T_world_merged);
   submap->sampler->add_target_keys(all, due_);
 }
 

@@ -252,3 +252,48 @@ TEST_CASE("in threads, the map is put right while the robot stands, and every fr
   CHECK(report.corrections > 0);
   CHECK(live.robot.frames().balanced());
 }
+
+namespace {
+
+/// The robot's own map as if it were shared; counts who asks. Every other turn there are news: the same blocks again.
+struct EchoSight final : SharedSight {
+  std::span<const std::uint32_t> on_own(const mapper::VoxelMap& own, std::span<const std::uint32_t> slots) override {
+    shown = &own;
+    last = slots;
+    ++own_turns;
+    return slots;
+  }
+  std::span<const std::uint32_t> take_news() override {
+    return ++news_turns % 2 == 0 ? last : std::span<const std::uint32_t>{};
+  }
+  [[nodiscard]] const mapper::VoxelMap& map() const override { return *shown; }
+  const mapper::VoxelMap* shown = nullptr;
+  std::span<const std::uint32_t> last;
+  std::uint64_t own_turns = 0;
+  std::uint64_t news_turns = 0;
+};
+
+}  // namespace
+
+TEST_CASE("in threads, a robot that shares drives by what it is shown, and every frame's changes are told",
+          "[threads]") {
+  Live live;
+  EchoSight sight;
+  std::uint64_t told_frames = 0;
+  std::uint64_t told_slots = 0;
+  live.robot.share(sight, [&](std::span<const std::uint32_t> slots) {
+    ++told_frames;
+    told_slots += slots.size();
+  });
+  live.robot.start();
+  REQUIRE(live.becomes_true([&] { return live.place.driven_m() > 0.3; }));
+  live.robot.stop();
+  const mapper::FrameCounts frames = live.robot.frames();
+  CHECK(frames.integrated > 0);
+  CHECK(told_frames == frames.integrated);
+  CHECK(sight.own_turns == frames.integrated);
+  CHECK(sight.news_turns == frames.integrated);
+  CHECK(told_slots > 0);
+  CHECK(sight.shown == &live.robot.mapper().map());
+  CHECK(live.robot.navigator().ground().states().cells.size() > 0);
+}
