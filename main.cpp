@@ -4,6 +4,7 @@
 #include <string>
 
 #include "main_commands.hpp"
+#include "main_examples.hpp"
 #include "mapper/version.hpp"
 
 namespace {
@@ -31,68 +32,6 @@ Examples:
   g3dmap sim --world house --robots 1 --drift 1 --odometry aligned --out out
   g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
   g3dmap sim --world floor.yaml --crop 0,0,30,20 --robots 1 --out out   a piece of a large one)";
-
-constexpr const char* kRunExamples = R"(
-Examples:
-  g3dmap run --board board/host_sim.toml --out out                    in real time, in a simulated building
-  g3dmap run --board board/host_sim.toml --world office --duration 60 --camera 160x120@10 --out out
-  g3dmap run --board board/kobuki_tx2.toml --record --out out         a real base; what it says goes to kobuki.bin
-
-The first Ctrl-C stops the robot and saves the map, the second one ends the program at once; the base stands either way.)";
-
-constexpr const char* kTellExamples = R"(
-Examples:
-  g3dmap tell out pause                                    the robot whose --out is `out` stands, until resume
-  g3dmap tell out status                                   one JSON object: state, coverage, way, battery, safety
-
-pause, resume and stop take effect at once; stop outranks pause. home ends exploring and sends it home, or does so once
-it is resumed. PATH is the folder of --out, or what --control named. Only the user who started the robot may speak to it.)";
-
-constexpr const char* kExportExamples = R"(
-Examples:
-  g3dmap export out/map.g3d --to map.ply                   points with colours
-  g3dmap export map.bt --to map.g3d --to map.pcd
-  g3dmap export out/map.g3d --to ground.yaml               also writes ground.pgm
-
-The endings choose the format: .g3d .ot .bt .ply .pcd .yaml (ground map) .png (picture).)";
-
-constexpr const char* kInfoExamples = R"(
-Examples:
-  g3dmap info out/map.g3d
-  g3dmap info map.bt --json)";
-
-constexpr const char* kMergeExamples = R"(
-Examples:
-  g3dmap merge a.g3d b.g3d --out both.g3d                  each map at the pose that its file states
-  g3dmap merge a.g3d b.g3d --pose 0,0,0,0,0,0 --pose 2.5,0,0,0,0,1.5708 --out both.g3d
-  g3dmap merge a.g3d b.g3d --align rough --out both.g3d    poses that are up to 1 m and 30 degrees off
-
-A pose is x,y,z in metres and roll,pitch,yaw in radians, one --pose per map in the same order.)";
-
-constexpr const char* kMaskExamples = R"(
-Example:
-  g3dmap mask wall_view --out mask.png                     then: g3dmap replay walk --mask mask.png --out out
-
-LOG is a recording of a plain wall that fills the view.)";
-
-constexpr const char* kDriftExamples = R"(
-Example:
-  g3dmap drift walk --seed 3 --out odometry.tum
-  g3dmap replay walk --poses odometry.tum --odometry aligned --out out
-
-POSES is a recording, or a file of poses in TUM's format.)";
-
-constexpr const char* kKeyExamples = R"(
-Examples:
-  g3dmap key --out fleet.key                               a new fleet; copy the file to every robot, mode 0600
-  g3dmap key --show fleet.key                              epoch, fingerprint, who is revoked; never the key
-  g3dmap key --rotate fleet.key                            a new key; robots with the old one are heard until --finish
-  g3dmap key --finish fleet.key                            every robot has the new key: the old one is worth nothing
-  g3dmap key --rotate --shut-out fleet.key                 a robot is in wrong hands: nobody listens to the old key
-  g3dmap key --revoke 00c0ffee fleet.key                   nobody takes what this robot says any more
-  g3dmap key --drop 00c0ffee fleet.key                     the same, and nobody keeps what it has mapped
-
-Whoever has the key can speak as any robot, so only --shut-out keeps out somebody who has read it.)";
 
 void add_staging_options(CLI::App& command, StagingOptions& staging) {
   command.add_option("--control", staging.control, "Socket for `g3dmap tell`; default: control in the folder of --out");
@@ -148,6 +87,23 @@ void add_drift_like(CLI::App& command, std::string& drift_like) {
           "root second")
       ->check(CLI::IsMember({"kobuki", "rough"}))
       ->capture_default_str();
+}
+
+void add_network_options(CLI::App& command, LiveOptions& live) {
+  NetworkOptions& network = live.network;
+  command.add_option("--key", network.key, "File of the fleet's key: it shares its map with the fleet; or none");
+  command.add_option("--robot", network.robot, "Its id in the fleet, in hexadecimal; auto: from the machine's");
+  command.add_option("--port", network.port, "UDP port that other robots answer to")->check(CLI::Range(1, 65535));
+  command
+      .add_option("--peer", network.peers, "ADDRESS:PORT of another robot, where multicast does not go; several times")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--settle", network.settle_s, "At the end, tell others what they lack for so many seconds at most")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--checkpoint", live.mapping.checkpoint_s, "A base station saves its map every so many seconds")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--start", live.start, "Where in the simulated building: 1 to 16, or X,Y,DEGREES");
 }
 
 void add_live_options(CLI::App& command, LiveOptions& live) {
@@ -283,6 +239,7 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* run_command =
       add_command(app, "run", "Let the board's robot explore where it stands, in real time", kRunExamples);
   add_live_options(*run_command, live);
+  add_network_options(*run_command, live);
 
   TellOptions tell;
   CLI::App* tell_command = add_command(app, "tell", "Speak to a robot that runs", kTellExamples);
@@ -290,6 +247,12 @@ int parse_and_run(int argc, char** argv) {
   tell_command->add_option("WORD", tell.word, "What to say")
       ->required()
       ->check(CLI::IsMember({"pause", "resume", "stop", "home", "status"}));
+
+  PeersOptions peers;
+  CLI::App* peers_command = add_command(app, "peers", "Say who knows what in a fleet", kPeersExamples);
+  peers_command->add_option("--at", peers.path, "The folder of the program that is asked, or its socket")
+      ->default_val("out");
+  peers_command->add_flag("--json", peers.json, "For scripts");
 
   ExportOptions exported;
   CLI::App* export_command = add_command(app, "export", "Write a map in other formats", kExportExamples);
@@ -352,6 +315,7 @@ int parse_and_run(int argc, char** argv) {
   }
   if (*run_command) return run_live(live, command_line(argc, argv));
   if (*tell_command) return run_tell(tell);
+  if (*peers_command) return run_peers(peers);
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);

@@ -73,8 +73,19 @@ struct SimOptions {
   std::string crop;  ///< "X0,Y0,X1,Y1": the piece of a map_server map that is the world; empty: all of it
 };
 
+/// The fleet that a program takes part in, instead of what the board says.
+struct NetworkOptions {
+  std::optional<std::string> key;    ///< file, or none
+  std::optional<std::string> robot;  ///< hexadecimal, or auto
+  std::optional<int> port;
+  std::vector<std::string> peers;  ///< "10.0.0.2:7177"
+  std::optional<double> settle_s;  ///< at the end others are told what they lack for so long at most
+};
+
 struct LiveOptions {
-  MappingOptions mapping;       ///< out_dir may be empty: nothing is written
+  MappingOptions mapping;  ///< out_dir may be empty: nothing is written
+  NetworkOptions network;
+  std::string start;            ///< in a simulated building: "2", or "X,Y,DEGREES"; empty: the first
   std::string world = "house";  ///< of the simulated building, if the board's base is in one
   double duration_s = 0.0;      ///< 0: until it is home again
   std::string camera;           ///< "WxH@HZ" of the simulated camera; empty: the board's
@@ -89,6 +100,11 @@ struct LiveOptions {
 struct TellOptions {
   std::string path;  ///< the robot's folder, or its socket
   std::string word;
+};
+
+struct PeersOptions {
+  std::string path;  ///< the program's folder, or its socket
+  bool json = false;
 };
 
 struct ExportOptions {
@@ -139,7 +155,10 @@ int run_explore(const SimOptions& options, const std::string& command_line);
 int run_team(const SimOptions& options, const std::string& command_line);
 /// `run`.
 int run_live(const LiveOptions& options, const std::string& command_line);
+/// The same for a board without base and camera.
+int run_station(const LiveOptions& options, const std::string& command_line);
 int run_tell(const TellOptions& options);
+int run_peers(const PeersOptions& options);
 int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);
 int run_merge(const MergeOptions& options);

@@ -5,15 +5,18 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "main_commands.hpp"
 #include "main_live_run.hpp"
+#include "main_network.hpp"
 #include "main_robot.hpp"
 #include "main_save.hpp"
 #include "main_say.hpp"
 #include "main_setup.hpp"
+#include "mapper/map_hash.hpp"
 #include "mapper/report.hpp"
 #include "mapper/summary.hpp"
 #include "mapper/version.hpp"
@@ -37,6 +40,11 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
                                                [](const std::string& fault) { return !fault.starts_with("disk:"); });
   if (!in_simulation && fails_in_simulation) return "--fail: only the disk of a real robot can be made to fail";
   if (!in_simulation && options.staging.battery_min > 0.0) return "--battery is for a simulated base";
+  if (!in_simulation && !options.start.empty()) return "--start is for a simulated building";
+  if (options.mapping.checkpoint_s > 0.0) return "--checkpoint is for a base station; a robot saves at the end";
+  if (has_fleet(board) && options.mapping.loops) {
+    return "--loops corrects the map of a robot that is alone so far; leave it out, or --key";
+  }
   if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
   if (auto problem = loops_problem(options.mapping)) return problem;
   if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
@@ -73,12 +81,33 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   return report;
 }
 
+/// The map of the whole fleet, as this robot has it, in a folder of its own; the files take their place among the rest.
+void save_merged(const RunFiles& own, const mapper::VoxelMap& merged, nav::Outputs& outputs) {
+  RunFiles files;
+  files.folder = own.folder + "/merged";
+  files.patience_s = own.patience_s;
+  files.map = &merged;
+  files.options.band = own.options.band;
+  files.options.meta.steps = own.options.meta.steps;
+  files.is_given_up = own.is_given_up;
+  if (const auto folder = open_folder(files.folder); !folder) {
+    outputs.failures.push_back(folder.error());
+    return;
+  }
+  const nav::Outputs saved = save_run(files);
+  outputs.files.insert(outputs.files.end(), saved.files.begin(), saved.files.end());
+  outputs.failures.insert(outputs.failures.end(), saved.failures.begin(), saved.failures.end());
+  outputs.late_files += saved.late_files;
+}
+
 }  // namespace
 
 int run_live(const LiveOptions& options, const std::string& command_line) {
   const MappingOptions& mapping = options.mapping;
-  const auto loaded_board = effective_board(mapping);
+  auto loaded_board = effective_board(mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
+  if (loaded_board.value().base_line == "none") return run_station(options, command_line);
+  if (const auto said = set_network(options.network, loaded_board.value()); !said) return bad_usage(said.error().text);
   const board::Board& board = loaded_board.value();
   if (const auto problem = contradiction(board, options)) return bad_usage(*problem);
   const auto camera = choose_camera(board, options.camera);
@@ -86,7 +115,7 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   std::optional<Place> place;
   if (board.base_line == "sim") {
     auto chosen = choose_place(options);
-    if (!chosen) return fail(chosen.error().text);
+    if (!chosen) return fail_as(chosen.error());
     place = std::move(chosen).value();
   }
   nav::RobotConfig config =
@@ -99,8 +128,16 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
 
   const auto staging = read_staging(options.staging);
   if (!staging) return bad_usage(staging.error().text);
+  std::optional<FleetPlan> fleet;
+  if (has_fleet(board)) {
+    auto plan = plan_fleet(board, true);
+    if (!plan) return fail_as(plan.error());
+    fleet = std::move(plan).value();
+  }
   LiveRun live(board, options, config, staging.value());
-  if (const auto begun = live.begin(std::move(place), camera.value().rate_hz); !begun) return fail(begun.error().text);
+  if (const auto begun = live.begin(std::move(place), camera.value().rate_hz, std::move(fleet)); !begun) {
+    return fail_as(begun.error());
+  }
   live.run(!mapping.quiet);
 
   const nav::Navigator& navigator = live.robot().navigator();
@@ -132,9 +169,12 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
     files.is_given_up = [&live, was = live.was_interrupted()] { return !was && live.was_interrupted(); };
     outputs = save_run(files);
   }
+  const std::unique_ptr<net::MergedMap> merged = live.fleet() != nullptr ? live.fleet()->whole_map() : nullptr;
+  if (merged != nullptr && !mapping.out_dir.empty()) save_merged(files, merged->map(), outputs);
   mapper::RunReport report = make_report(live, board, options, command_line);
   report.write_more = [&](mapper::JsonWriter& json) {
     nav::write_exploration(json, explored);
+    if (merged != nullptr) live.fleet()->write(json, mapper::map_hash(merged->map()), live.run_s());
     write_base(json, live.base());
     live.write_control(json);
     write_cpu(json, live.thread_times(), live.run_s());

@@ -6,12 +6,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
+#include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "hal/linux/cpu_time.hpp"
 #include "hal/linux/usb_serial.hpp"
+#include "hal/replay/decimal.hpp"
 #include "hal/sim/load_world.hpp"
+#include "hal/sim/reach.hpp"
 #include "main_setup.hpp"
 
 namespace g3d {
@@ -20,6 +25,9 @@ namespace {
 constexpr hal::TimeNs kLook_ns = 50'000'000;       // how often the main thread looks after the others
 constexpr hal::TimeNs kProgress_ns = 500'000'000;  // between two lines for people
 constexpr int kRenderThreads = 1;
+constexpr int kMostStarts = 16;
+constexpr double kSettle_s = 10.0;
+constexpr double kHurriedSettle_s = 3.0;
 
 std::atomic<bool> stop_requested{false};
 std::atomic<int> stop_signals{0};
@@ -56,16 +64,41 @@ hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::
   return building;
 }
 
+/// The first, the one of that number, or a place that is given.
+hal::Result<hal::PlanarPose> choose_start(const LiveOptions& options, const hal::World& world) {
+  const std::string_view text = options.start;
+  const std::size_t comma = text.find(',');
+  const std::size_t second = comma == std::string_view::npos ? comma : text.find(',', comma + 1);
+  if (second != std::string_view::npos) {
+    const auto x_m = hal::parse_double(text.substr(0, comma));
+    const auto y_m = hal::parse_double(text.substr(comma + 1, second - comma - 1));
+    const auto turn_deg = hal::parse_double(text.substr(second + 1));
+    if (x_m && y_m && turn_deg && std::abs(*turn_deg) <= 360.0) {
+      if (!hal::fits(hal::FloorContact(world), *x_m, *y_m, {})) {
+        return hal::Error{hal::Reason::bad_usage, fmt::format("--start {}: a robot does not fit there", options.start)};
+      }
+      return hal::PlanarPose{*x_m, *y_m, *turn_deg * std::numbers::pi / 180.0};
+    }
+  } else if (const auto number = hal::parse_double(text.empty() ? "1" : text);
+             number && *number >= 1 && *number <= kMostStarts && *number == std::floor(*number)) {
+    const auto starts = hal::choose_starts(world, static_cast<std::size_t>(*number), options.mapping.seed);
+    if (!starts) return starts.error();
+    return starts.value().back();
+  }
+  return hal::Error{hal::Reason::bad_usage, fmt::format("--start '{}': not a number from 1 to {}, nor X,Y,DEGREES",
+                                                        options.start, kMostStarts)};
+}
+
 }  // namespace
 
 hal::Result<Place> choose_place(const LiveOptions& options) {
   auto world = hal::load_world(options.world);
   if (!world) return world.error();
-  const auto starts = hal::choose_starts(world.value(), 1, options.mapping.seed);
-  if (!starts) return starts.error();
-  auto observable = hal::find_observable(world.value(), starts.value());
+  const auto start = choose_start(options, world.value());
+  if (!start) return start.error();
+  auto observable = hal::find_observable(world.value(), std::vector{start.value()});
   if (!observable) return observable.error();
-  return Place{std::move(world).value(), starts.value()[0], std::move(observable).value()};
+  return Place{std::move(world).value(), start.value(), std::move(observable).value()};
 }
 
 LiveRun::LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config,
@@ -81,7 +114,7 @@ LiveRun::LiveRun(const board::Board& board, const LiveOptions& options, const na
             clock_),
       no_camera_(config.camera) {}
 
-hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz) {
+hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std::optional<FleetPlan> fleet) {
   catch_stop_signals();
   auto guard = hal::kobuki::LineGuard::start(-1);
   if (!guard) return guard.error();
@@ -110,10 +143,24 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz) {
   if (const auto missing = missing_card(robot_->mapper(), options_.mapping)) {
     return hal::Error{hal::Reason::unsupported, *missing};
   }
-  auto control = open_control(options_.staging, options_.mapping.out_dir, robot_->hotline());
+  if (fleet) {
+    auto opened = Fleet::open(std::move(*fleet), robot_->mapper().map(), clock_);
+    if (!opened) return opened.error();
+    fleet_ = std::move(opened).value();
+    robot_->share(fleet_->thread().view(),
+                  [this](std::span<const std::uint32_t> slots) { fleet_->thread().note_changed(slots); });
+  }
+  auto control = open_control(options_.staging, options_.mapping.out_dir, robot_->hotline(),
+                              [this](std::string_view request) { return answer(request); });
   if (!control) return control.error();
   control_ = std::move(control).value();
   return {};
+}
+
+std::optional<std::string> LiveRun::answer(std::string_view request) {
+  if (fleet_ != nullptr) return fleet_->answer(request);
+  if (!request.starts_with("peers")) return std::nullopt;
+  return "{\"error\": \"this robot is alone: it was started without the key of a fleet\"}\n";
 }
 
 hal::Result<void> LiveRun::begin_recording() {
@@ -130,6 +177,7 @@ void LiveRun::run(bool show_progress) {
   const hal::TimeNs end_ns =
       options_.duration_s > 0.0 ? start_ns + static_cast<hal::TimeNs>(options_.duration_s * 1e9) : INT64_MAX;
   hal::TimeNs next_show_ns = start_ns;
+  if (fleet_ != nullptr) fleet_->start();
   robot_->start();
   nav::LiveStatus status;
   while (!stop_requested.load() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
@@ -144,6 +192,12 @@ void LiveRun::run(bool show_progress) {
   }
   if (show_progress) fmt::print(stderr, "\n");
   robot_->stop();
+  if (fleet_ != nullptr) {
+    // Who has said Ctrl-C is in a hurry, and another one would end the program without the map.
+    fleet_->settle(options_.network.settle_s.value_or(was_interrupted() ? kHurriedSettle_s : kSettle_s),
+                   [was = was_interrupted()] { return !was && stop_requested.load(); });
+    fleet_->stop();
+  }
   if (control_ != nullptr) control_counts_ = control_->counts();
   control_.reset();
   end_ns_ = clock_.now();
@@ -155,7 +209,10 @@ void LiveRun::run(bool show_progress) {
 void LiveRun::show(hal::TimeNs since_ns, const nav::LiveStatus& status) const {
   fmt::print(stderr, "\r{:6.0f} s", static_cast<double>(since_ns) / 1e9);
   if (status.coverage >= 0.0) fmt::print(stderr, "  {:5.1f} % seen", 100.0 * status.coverage);
-  fmt::print(stderr, "  {:6.1f} m driven  {}     ", status.path_m, nav::name_of(status.state));
+  fmt::print(stderr, "  {:6.1f} m driven  {}", status.path_m, nav::name_of(status.state));
+  net::SharingBrief brief;
+  if (fleet_ != nullptr && fleet_->thread().brief().read(brief) != 0) fmt::print(stderr, "  {}", brief_text(brief));
+  fmt::print(stderr, "     ");
 }
 
 void LiveRun::say_words(hal::TimeNs since_ns) {
@@ -182,6 +239,7 @@ hal::Result<void> LiveRun::finish_recording() {
 
 std::vector<nav::ThreadTime> LiveRun::thread_times() const {
   std::vector<nav::ThreadTime> times = robot_->thread_times();
+  if (fleet_ != nullptr) times.push_back({"sharing", fleet_->thread().cpu_s()});
   times.push_back({"guard", static_cast<double>(hal::children_cpu_ns()) * 1e-9});
   return times;
 }

@@ -15,6 +15,7 @@
 #include "hal/sim/observable.hpp"
 #include "hal/sim/real_time_building.hpp"
 #include "main_commands.hpp"
+#include "main_network.hpp"
 #include "main_robot.hpp"
 #include "nav/coverage.hpp"
 #include "nav/exploration_report.hpp"
@@ -45,7 +46,7 @@ struct Place {
   hal::Observable observable;
 };
 
-/// The world of the options. Errors name the file.
+/// The world of the options. Errors name the file; bad_usage: of --start.
 [[nodiscard]] hal::Result<Place> choose_place(const LiveOptions& options);
 
 /// The members stand in the order in which they must go again: see LineGuard.
@@ -56,9 +57,10 @@ class LiveRun {
           const Staging& staging);
 
   /// The guard's process first, then everything that has threads. `place`: where the base is simulated.
-  [[nodiscard]] hal::Result<void> begin(std::optional<Place> place, double rate_hz);
-  /// Returns when it is home, its time is over, the camera has ended, or a signal came; then it stands and all threads
-  /// have ended.
+  /// `fleet`: that it shares its map with; none: it is alone.
+  [[nodiscard]] hal::Result<void> begin(std::optional<Place> place, double rate_hz, std::optional<FleetPlan> fleet);
+  /// Returns when it is home, its time is over, the camera has ended, or a signal came; then it stands, its fleet has
+  /// been told as far as there was time, and all threads have ended.
   void run(bool show_progress);
   /// Ends the recording; it waits for the disk. Without one there is nothing to do.
   [[nodiscard]] hal::Result<void> finish_recording();
@@ -66,6 +68,8 @@ class LiveRun {
   // After run()
   [[nodiscard]] const nav::RobotThreads& robot() const { return *robot_; }
   [[nodiscard]] const BaseReport& base() const { return base_; }
+  /// nullptr: it is alone.
+  [[nodiscard]] const Fleet* fleet() const { return fleet_.get(); }
   /// Of the integrated frames.
   [[nodiscard]] const std::vector<hal::StampedPose>& way() const { return way_; }
   [[nodiscard]] double run_s() const { return run_s_; }
@@ -87,6 +91,7 @@ class LiveRun {
   [[nodiscard]] hal::DepthCamera& camera();
   void end_camera();
   void say_words(hal::TimeNs since_ns);
+  [[nodiscard]] std::optional<std::string> answer(std::string_view request);
   void take_poses();
   void show(hal::TimeNs since_ns, const nav::LiveStatus& status) const;
   void note_base();
@@ -108,6 +113,7 @@ class LiveRun {
   NoCamera no_camera_;
   std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
   std::unique_ptr<nav::RobotThreads> robot_;
+  std::unique_ptr<Fleet> fleet_;
   std::unique_ptr<hal::ControlSocket> control_;
   hal::ControlCounts control_counts_;
   std::size_t next_word_ = 0;

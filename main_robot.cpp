@@ -116,10 +116,15 @@ void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options) {
 }
 
 hal::Result<std::unique_ptr<hal::ControlSocket>> open_control(const StagingOptions& options, const std::string& out_dir,
-                                                              nav::Hotline& hotline) {
+                                                              nav::Hotline& hotline, const AskedFirst& first) {
   if (options.control.empty() && out_dir.empty()) return std::unique_ptr<hal::ControlSocket>{};
   const std::string path = options.control.empty() ? out_dir + "/control" : options.control;
-  return hal::ControlSocket::open(path, [&hotline](std::string_view request) { return hotline.answer(request); });
+  return hal::ControlSocket::open(path, [&hotline, first](std::string_view request) {
+    if (first) {
+      if (auto answer = first(request)) return std::move(*answer);
+    }
+    return hotline.answer(request);
+  });
 }
 
 void write_control(mapper::JsonWriter& json, const nav::Hotline& hotline, const hal::ControlCounts& counts) {

@@ -2,9 +2,12 @@
 // What the board and the command line say of a robot that drives itself, and what its base has to say at the end.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,10 +47,13 @@ struct Staging {
 /// The simulated base's.
 [[nodiscard]] hal::BaseDrift drift_like(const std::string& name);
 void set_battery(hal::SimKobukiOptions& base, const StagingOptions& options);
+/// What is asked before the robot itself; nothing: it is for the robot. Called by the socket's thread.
+using AskedFirst = std::function<std::optional<std::string>(std::string_view request)>;
 /// None where nobody asked for one and there is no folder for it. Errors: those of ControlSocket.
 [[nodiscard]] hal::Result<std::unique_ptr<hal::ControlSocket>> open_control(const StagingOptions& options,
                                                                             const std::string& out_dir,
-                                                                            nav::Hotline& hotline);
+                                                                            nav::Hotline& hotline,
+                                                                            const AskedFirst& first = {});
 /// Writes the key "control" and the object: what people said.
 void write_control(mapper::JsonWriter& json, const nav::Hotline& hotline, const hal::ControlCounts& counts);
 /// Writes the key "cpu_s" and the object: CPU time of each thread in seconds, of the whole process, and of the robot

@@ -84,10 +84,12 @@ nav::Outputs save_run(const RunFiles& files) {
   const SlowDiskNotice notice(files.folder);
   hal::RealClock clock;
   std::vector<nav::OutputJob> jobs = nav::output_jobs(*files.map, files.options, files.folder);
-  const std::string way_path = files.folder + "/trajectory.tum";
-  jobs.push_back({way_path, [&files, way_path] { return write_way(files.way, way_path); }});
-  const std::string picture_path = files.folder + "/exploration.png";
-  jobs.push_back({picture_path, [&files, picture_path] { return files.draw(picture_path); }});
+  if (files.draw) {
+    const std::string way_path = files.folder + "/trajectory.tum";
+    jobs.push_back({way_path, [&files, way_path] { return write_way(files.way, way_path); }});
+    const std::string picture_path = files.folder + "/exploration.png";
+    jobs.push_back({picture_path, [&files, picture_path] { return files.draw(picture_path); }});
+  }
   nav::Outputs outputs = nav::write_patiently(jobs, patience(files, clock));
   if (files.finish_recording) {
     if (const auto recorded = files.finish_recording(); !recorded) outputs.failures.push_back(recorded.error());

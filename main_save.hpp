@@ -23,7 +23,7 @@ struct RunFiles {
   std::span<const hal::StampedPose> way;  ///< of the integrated frames
   const mapper::VoxelMap* map = nullptr;
   nav::OutputOptions options;
-  /// exploration.png
+  /// exploration.png. Empty: nobody has driven, and there is no way to be written either
   std::function<hal::Result<mapper::WrittenFile>(const std::string& path)> draw;
   std::function<hal::Result<void>()> finish_recording;  ///< of what was written all along. May be empty
   std::function<bool()> is_given_up;                    ///< Ctrl-C meanwhile

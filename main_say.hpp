@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "hal/result.hpp"
 #include "main_commands.hpp"
 
 namespace g3d {
@@ -17,5 +18,10 @@ inline int fail(const std::string& text, int exit_code = kExitFailed) {
 }
 
 inline int bad_usage(const std::string& text) { return fail(text, kExitBadUsage); }
+
+/// The exit code as the error's reason has it.
+inline int fail_as(const hal::Error& error) {
+  return fail(error.text, error.reason == hal::Reason::bad_usage ? kExitBadUsage : kExitFailed);
+}
 
 }  // namespace g3d

@@ -32,8 +32,6 @@ struct MergedOptions {
   std::optional<LayerId> left_out =
       std::nullopt;                 ///< a layer that does not count: a robot's own, which it knows better
   std::uint32_t left_out_from = 0;  ///< of that layer, this submap and those after it; earlier starts wrote the others
-=======
-      std::nullopt;          ///< a layer that does not count: a robot's own, which it knows better
   hal::Pose T_world_merged;  ///< where the result's grid lies in the world
 };
 

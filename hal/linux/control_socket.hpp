@@ -29,7 +29,7 @@ struct ControlCounts {
 class ControlSocket {
  public:
   static constexpr std::size_t kMostRequest_bytes = 64;
-  static constexpr std::size_t kMostAnswer_bytes = 4096;
+  static constexpr std::size_t kMostAnswer_bytes = 128 * 1024;
   static constexpr std::size_t kMostClients = 8;
   /// Request -> answer, at most kMostAnswer_bytes. Called by the socket's thread alone, for one request at a time.
   using Answer = std::function<std::string(std::string_view request)>;

@@ -18,21 +18,30 @@ constexpr int kNice = 10;
 
 }  // namespace
 
+std::unique_ptr<VoxelMap> snapshot_of(const VoxelMap& map) {
+  try {
+    auto copy = std::make_unique<VoxelMap>(map.grid(), map.capacity());
+    BlockKey key = 0;
+    BlockValues values;
+    const std::uint32_t end = map.slot_end();
+    for (std::uint32_t slot = 0; slot < end; ++slot) {
+      if (map.copy_block(slot, key, values) && !copy->write_block(key, values)) return nullptr;
+    }
+    return copy;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
 hal::Result<SaveReport> save_snapshot(const VoxelMap& map, const MapFileMeta& meta, const std::string& path) {
   const hal::Error no_memory{hal::Reason::no_capacity,
                              fmt::format("{}: no memory for a copy of the map while it grows; the next save tries "
                                          "again, a smaller --memory leaves more room",
                                          path)};
+  const std::unique_ptr<VoxelMap> copy = snapshot_of(map);
+  if (copy == nullptr) return no_memory;
   try {
-    // Its pools are address space until they are touched.
-    VoxelMap copy(map.grid(), map.capacity());
-    BlockKey key = 0;
-    BlockValues values;
-    const std::uint32_t end = map.slot_end();
-    for (std::uint32_t slot = 0; slot < end; ++slot) {
-      if (map.copy_block(slot, key, values) && !copy.write_block(key, values)) return no_memory;
-    }
-    return save_map(copy, meta, path);
+    return save_map(*copy, meta, path);
   } catch (const std::bad_alloc&) {
     return no_memory;
   }

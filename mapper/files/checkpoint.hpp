@@ -6,6 +6,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -13,6 +14,10 @@
 #include "mapper/files/map_file.hpp"
 
 namespace g3d::mapper {
+
+/// A copy of its own, made by any thread while the writer works. Its pools are address space until they are touched.
+/// nullptr if there is not enough memory.
+[[nodiscard]] std::unique_ptr<VoxelMap> snapshot_of(const VoxelMap& map);
 
 /// Any thread, while the writer works. What appears or goes away meanwhile is in the file or not.
 [[nodiscard]] hal::Result<SaveReport> save_snapshot(const VoxelMap& map, const MapFileMeta& meta,

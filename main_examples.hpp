@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands at the end of a command's --help: how people begin.
+#pragma once
+
+namespace g3d {
+
+inline constexpr const char* kRunExamples = R"(
+Examples:
+  g3dmap run --board board/host_sim.toml --out out                    in real time, in a simulated building
+  g3dmap run --board board/host_sim.toml --world office --duration 60 --camera 160x120@10 --out out
+  g3dmap run --board board/kobuki_tx2.toml --record --out out         a real base; what it says goes to kobuki.bin
+  g3dmap run --board board/host_sim.toml --key fleet.key --robot a1 --start 1 --out one      two robots of a fleet,
+  g3dmap run --board board/host_sim.toml --key fleet.key --robot a2 --start 2 --out two      which share their maps,
+  g3dmap run --board board/base_station.toml --key fleet.key --out all                       and who merges them
+
+The first Ctrl-C stops the robot and saves the map, the second one ends the program at once; the base stands either way.)";
+
+inline constexpr const char* kPeersExamples = R"(
+Examples:
+  g3dmap peers --at out                                    who knows what, as the program whose --out is `out` has it
+  g3dmap peers --at out --json                             the same for scripts
+
+Per robot: when it was heard last, and what it lacks of every layer of the shared map; and why datagrams were refused.)";
+
+inline constexpr const char* kTellExamples = R"(
+Examples:
+  g3dmap tell out pause                                    the robot whose --out is `out` stands, until resume
+  g3dmap tell out status                                   one JSON object: state, coverage, way, battery, safety
+
+pause, resume and stop take effect at once; stop outranks pause. home ends exploring and sends it home, or does so once
+it is resumed. PATH is the folder of --out, or what --control named. Only the user who started the robot may speak to it.)";
+
+inline constexpr const char* kExportExamples = R"(
+Examples:
+  g3dmap export out/map.g3d --to map.ply                   points with colours
+  g3dmap export map.bt --to map.g3d --to map.pcd
+  g3dmap export out/map.g3d --to ground.yaml               also writes ground.pgm
+
+The endings choose the format: .g3d .ot .bt .ply .pcd .yaml (ground map) .png (picture).)";
+
+inline constexpr const char* kInfoExamples = R"(
+Examples:
+  g3dmap info out/map.g3d
+  g3dmap info map.bt --json)";
+
+inline constexpr const char* kMergeExamples = R"(
+Examples:
+  g3dmap merge a.g3d b.g3d --out both.g3d                  each map at the pose that its file states
+  g3dmap merge a.g3d b.g3d --pose 0,0,0,0,0,0 --pose 2.5,0,0,0,0,1.5708 --out both.g3d
+  g3dmap merge a.g3d b.g3d --align rough --out both.g3d    poses that are up to 1 m and 30 degrees off
+
+A pose is x,y,z in metres and roll,pitch,yaw in radians, one --pose per map in the same order.)";
+
+inline constexpr const char* kMaskExamples = R"(
+Example:
+  g3dmap mask wall_view --out mask.png                     then: g3dmap replay walk --mask mask.png --out out
+
+LOG is a recording of a plain wall that fills the view.)";
+
+inline constexpr const char* kDriftExamples = R"(
+Example:
+  g3dmap drift walk --seed 3 --out odometry.tum
+  g3dmap replay walk --poses odometry.tum --odometry aligned --out out
+
+POSES is a recording, or a file of poses in TUM's format.)";
+
+inline constexpr const char* kKeyExamples = R"(
+Examples:
+  g3dmap key --out fleet.key                               a new fleet; copy the file to every robot, mode 0600
+  g3dmap key --show fleet.key                              epoch, fingerprint, who is revoked; never the key
+  g3dmap key --rotate fleet.key                            a new key; robots with the old one are heard until --finish
+  g3dmap key --finish fleet.key                            every robot has the new key: the old one is worth nothing
+  g3dmap key --rotate --shut-out fleet.key                 a robot is in wrong hands: nobody listens to the old key
+  g3dmap key --revoke 00c0ffee fleet.key                   nobody takes what this robot says any more
+  g3dmap key --drop 00c0ffee fleet.key                     the same, and nobody keeps what it has mapped
+
+Whoever has the key can speak as any robot, so only --shut-out keeps out somebody who has read it.)";
+
+}  // namespace g3d

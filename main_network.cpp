@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "main_network.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <utility>
+
+#include "mapper/mapper.hpp"
+#include "mapper/summary.hpp"
+#include "net/fleet_key_file.hpp"
+#include "net/robot_identity.hpp"
+
+namespace g3d {
+namespace {
+
+constexpr hal::TimeNs kFleetLook_ns = 50'000'000;
+/// So often in a row all have to hold the same: by then they have heard it from us as well.
+constexpr int kFleetSettled = 3;
+
+hal::Result<net::RobotId> robot_id(const board::Board& board) {
+  if (board.network_robot == "auto") return net::machine_robot_id();
+  const auto robot = net::parse_robot_id(board.network_robot);
+  if (robot && *robot != 0) return *robot;
+  return hal::Error{hal::Reason::bad_usage,
+                    fmt::format("network.robot, --robot: '{}' is no robot's id: auto, or 1 to 16 hexadecimal digits, "
+                                "not all of them 0",
+                                board.network_robot)};
+}
+
+std::vector<std::string> split_peers(const std::string& text) {
+  std::vector<std::string> peers;
+  if (text == "none") return peers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    peers.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return peers;
+}
+
+hal::Pose T_world_map(const board::Board& board) {
+  return hal::from_xyz_rpy(board.network_x_m, board.network_y_m, 0.0, 0.0, 0.0,
+                           board.network_yaw_deg * std::numbers::pi / 180.0);
+}
+
+}  // namespace
+
+hal::Result<void> set_network(const NetworkOptions& options, board::Board& board) {
+  if (options.key) board.network_key = *options.key;
+  if (options.robot) board.network_robot = *options.robot;
+  if (options.port) board.network_port = *options.port;
+  std::string peers;
+  for (const std::string& peer : options.peers) peers += (peers.empty() ? "" : ",") + peer;
+  if (!peers.empty()) board.network_peers = peers;
+  const bool says_more = options.robot || options.port || options.settle_s || !peers.empty();
+  if (!has_fleet(board) && says_more) {
+    return hal::Error{hal::Reason::bad_usage,
+                      "--robot, --port, --peer and --settle are for robots of a fleet; give its --key FILE as well, or "
+                      "network.key in the board file"};
+  }
+  return {};
+}
+
+hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
+  FleetPlan plan;
+  const auto robot = robot_id(board);
+  if (!robot) return robot.error();
+  auto keys = net::read_fleet_key(board.network_key);
+  if (!keys) return keys.error();
+  plan.keys = std::move(keys).value();
+  if (plan.keys.has_revoked(robot.value())) {
+    return hal::Error{hal::Reason::bad_usage,
+                      fmt::format("{}: robot {} is revoked there: nobody would listen to it. Give it another id",
+                                  board.network_key, net::text_of_robot(robot.value()))};
+  }
+  plan.port.port = static_cast<std::uint16_t>(board.network_port);
+  plan.port.group_port = static_cast<std::uint16_t>(board.network_group_port);
+  plan.port.multicast = board.network_group != "none";
+  if (plan.port.multicast) plan.port.group = board.network_group;
+  if (board.network_interface != "auto") plan.port.interface = board.network_interface;
+  plan.port.peers = split_peers(board.network_peers);
+
+  net::SharingThreadOptions& thread = plan.sharing;
+  thread.has_map = has_map;
+  thread.key_path = board.network_key;
+  net::SharingOptions& sharing = thread.sharing;
+  sharing.gossip.self = {robot.value(), net::fresh_incarnation()};
+  sharing.gossip.seed = net::mixed(sharing.gossip.self);
+  sharing.gossip.bandwidth_Bps = 1000.0 * board.network_bandwidth_kBps;
+  sharing.T_world_map = T_world_map(board);
+  if (!has_map) {
+    // It has nothing else to do with its memory, and must not be the one that forgets.
+    sharing.store.records *= 4;
+    sharing.store.payload_bytes *= 8;
+    sharing.most_submaps = 64;
+  }
+  return plan;
+}
+
+hal::Result<std::unique_ptr<Fleet>> Fleet::open(FleetPlan plan, const mapper::VoxelMap& own, hal::Clock& clock) {
+  auto port = net::UdpPort::open(plan.port);
+  if (!port) return port.error();
+  return std::unique_ptr<Fleet>(new Fleet(std::move(plan), std::move(port).value(), own, clock));
+}
+
+Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, const mapper::VoxelMap& own, hal::Clock& clock)
+    : clock_(clock), own_(own), port_(std::move(port)) {
+  net::SharingParts parts{*port_, [this](hal::TimeNs at_most_ns) { (void)port_->wait(at_most_ns); }, clock, own};
+  parts.on_key = [path = plan.sharing.key_path](const hal::Error* error, std::uint16_t epoch) {
+    if (error != nullptr) {
+      fmt::print(stderr, "g3dmap: {}; the key of epoch {} stays in use\n", error->text, epoch);
+    } else {
+      fmt::print(stderr, "g3dmap: {}: the key of epoch {} is in use from now on\n", path, epoch);
+    }
+  };
+  thread_ = std::make_unique<net::SharingThread>(plan.sharing, std::move(plan.keys), parts);
+}
+
+void Fleet::settle(double most_s, const std::function<bool()>& is_given_up) {
+  const hal::TimeNs begin_ns = clock_.now();
+  const hal::TimeNs end_ns = begin_ns + static_cast<hal::TimeNs>(most_s * 1e9);
+  std::uint64_t seen = thread_->brief().generation();
+  net::SharingBrief brief;
+  int settled = 0;
+  while (settled < kFleetSettled && clock_.now() < end_ns && !is_given_up()) {
+    clock_.sleep_until(clock_.now() + kFleetLook_ns);
+    if (!thread_->brief().read_newer(seen, brief)) continue;
+    settled = brief.is_told ? settled + 1 : 0;
+    if (brief.alive == 0 && brief.is_told) break;  // nobody is there to be told
+  }
+}
+
+std::optional<std::string> Fleet::answer(std::string_view request) {
+  if (request != "peers" && request != "peers text") return std::nullopt;
+  const auto status = thread_->ask();
+  if (!status) return "{\"error\": \"it is too busy to answer within half a second; ask again\"}\n";
+  return request == "peers" ? net::to_json(*status) : net::to_text(*status);
+}
+
+std::unique_ptr<net::MergedMap> Fleet::whole_map() const {
+  const net::MapSharing& sharing = thread_->sharing();
+  net::MergedOptions options;
+  options.grid = own_.grid();
+  options.merged = own_.capacity();
+  options.submap = own_.capacity();
+  auto merged = std::make_unique<net::MergedMap>(options);
+  merged->take_all(sharing.store());
+  return merged;
+}
+
+void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, double run_s) const {
+  const net::MapSharing& sharing = thread_->sharing();
+  const net::FleetStatus status = thread_->status();
+  const auto rate = [&](std::uint64_t bytes) {
+    return run_s > 0.0 ? std::round(static_cast<double>(bytes) / run_s) : 0.0;
+  };
+  json.member("id", net::text_of_robot(status.self.robot)).member("merged_hash", merged_hash);
+  json.key("sharing").begin_object().member("layer", net::text_of_layer(status.self));
+  json.member("key_epoch", status.epoch).member("rejected_key_files", status.rejected_keys);
+  json.member("layers", status.layers.size()).member("records", sharing.store().record_count());
+  json.member("payload_bytes", sharing.store().payload_bytes());
+  json.member("published_blocks", sharing.writer().counts().published_blocks);
+  json.member("published_bytes", sharing.writer().counts().published_bytes);
+  json.member("sent_bytes", status.radio.sent_bytes).member("sent_Bps", rate(status.radio.sent_bytes));
+  json.member("received_bytes", status.radio.received_bytes);
+  json.member("stored_records", status.gossip.stored_records);
+  json.member("superseded_records", status.gossip.superseded_records);
+  json.member("refused_records", status.gossip.refused_records);
+  json.member("refused_blocks", sharing.others().counts().refused_blocks + thread_->view_refused_blocks());
+  json.member("round_p50_us", thread_->round_times().percentile_us(0.5));
+  json.member("round_p99_us", thread_->round_times().percentile_us(0.99));
+  json.member("round_max_us", thread_->round_times().max_us());
+  json.key("refused_datagrams").begin_object();
+  for (std::size_t i = 0; i < net::kGateRefusalCount; ++i) {
+    if (status.gate.by_reason[i] > 0) {
+      json.member(net::to_string(static_cast<net::GateRefusal>(i)), status.gate.by_reason[i]);
+    }
+  }
+  json.end_object().end_object();
+  json.key("robots").begin_array();
+  for (const net::PeerStatus& peer : status.peers) {
+    json.begin_object().member("id", net::text_of_robot(peer.robot)).member("state", net::to_string(peer.state));
+    json.member("holds_the_same", peer.holds_the_same).end_object();
+  }
+  json.end_array();
+}
+
+std::string brief_text(const net::SharingBrief& brief) {
+  return fmt::format("{} robot{}, {} layer{}, {}", brief.alive, brief.alive == 1 ? "" : "s", brief.layers,
+                     brief.layers == 1 ? "" : "s", mapper::readable_bytes(brief.payload_bytes));
+}
+
+}  // namespace g3d
