@@ -29,13 +29,18 @@ FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno
 # has in its file is no business of another's names: `make` compiles file by file and looks at that.
 WARN += $(if $(GROUPED),-Wno-shadow $(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
-LIBS := -lpng -ljpeg -lzstd -lsodium -lz
+# Debian has no static libmosquitto; scripts/setup builds one. A build without it has no way to a broker, and says so.
+MOSQUITTO := $(shell scripts/static_libs where)
+MOSQUITTO_LIB := $(wildcard $(MOSQUITTO)/libmosquitto.a)
+MQTT_PICK := hal/mqtt/pick/$(if $(MOSQUITTO_LIB),mosquitto,absent).cpp
+LIBS := $(MOSQUITTO_LIB) -lpng -ljpeg -lzstd -lsodium -lz
 TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
 ROOMS := $(wildcard board hal mapper nav net)
 HELPER_SRC := $(wildcard mapper/cuda/helper/*.cpp)
-LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK)
+LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% hal/mqtt/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) \
+  $(KERNEL_PICK) $(MQTT_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
 UNIT_SRC := $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' | sort)
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
@@ -57,15 +62,16 @@ group = $(BUILD)/groups/$(1).o$(eval members_$(1) := $(2))
 grouped = $(if $(filter $(1),$(GROUPED)),$(call groups,$(2),$(3)),$(call objects,$(3)))
 
 # Sources that have options of their own.
-OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp
+OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp $(MQTT_PICK)
 # Where the time of a frame goes, the last optimisation counts.
 HOT_SRC := $(filter mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
   nav/column_evidence.cpp net/block_wire.cpp net/range_coder.cpp,$(LIB_SRC))
 # Readers of outside data.
 READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
-  $(addprefix net/,block_plain.cpp block_wire.cpp datagram_gate.cpp datagram_seal.cpp fleet_key_file.cpp gossip.cpp \
-    handshake_message.cpp journal_entry.cpp journal_frame.cpp journal_restore.cpp layer_identity.cpp range_coder.cpp \
-    reconcile_message.cpp reconciler.cpp set_sketch_wire.cpp sync_message.cpp wire_parts.cpp) \
+  $(addprefix net/,block_plain.cpp block_wire.cpp datagram_batch.cpp datagram_gate.cpp datagram_seal.cpp \
+    fleet_key_file.cpp gossip.cpp handshake_message.cpp journal_entry.cpp journal_frame.cpp journal_restore.cpp \
+    layer_identity.cpp range_coder.cpp reconcile_message.cpp reconciler.cpp set_sketch_wire.cpp site_topics.cpp \
+    sync_message.cpp wire_parts.cpp) \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))
@@ -154,7 +160,7 @@ help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
 $(EXE): $(MAIN_OBJ) $(LIB)
-	$(SAY) $@
+	$(SAY) $@$(if $(MOSQUITTO_LIB),, '- without a way to a broker: no libmosquitto (see scripts/static_libs)')
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
 $(LIB): $(LIB_OBJ)
@@ -238,7 +244,7 @@ soak: build-test ## the long runs, hours of them; starts again where it was stop
 	scripts/soak
 
 SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
-TIDY_FLAGS := -std=c++20 -I. -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
+TIDY_FLAGS := -std=c++20 -I. -isystem $(MOSQUITTO)/include -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
@@ -267,6 +273,9 @@ $(BUILD)/version.txt: force
 force:
 $(BUILD)/mapper/version.o: $(BUILD)/version.txt
 $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)/version.txt)"'
+
+$(BUILD)/hal/mqtt/pick/mosquitto.o: $(MOSQUITTO_LIB)
+$(BUILD)/hal/mqtt/pick/mosquitto.o: private FLAGS += -isystem $(MOSQUITTO)/include
 
 # Catch2 is parsed once for each set of options, not once per test file: a precompiled header wants the same options as
 # its users.
