@@ -22,6 +22,8 @@ class DatagramPort {
   };
   /// The next datagram that has come; nothing if none has.
   [[nodiscard]] virtual std::optional<Received> receive() = 0;
+  /// False: what is sent there now would be dropped, or wait for long. What can wait should.
+  [[nodiscard]] virtual bool has_room(Address /*to*/) const { return true; }
 };
 
 }  // namespace g3d::net

@@ -43,6 +43,7 @@ class FleetRadio final : public Link {
 
   /// Sealed at the time that was last given to receive(). False: it did not leave.
   bool send(Address to, mapper::ByteSpan message) override;
+  [[nodiscard]] bool has_room(Address to) const override { return port_.has_room(to); }
 
   /// All that has come, up to kMostAtOnce: visit(const Sender&, mapper::ByteSpan message) for every message of the
   /// fleet; the span is valid until visit returns, which may send. A sender's session is that of its gate: another one

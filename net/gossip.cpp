@@ -379,7 +379,7 @@ void Gossip::send_data(hal::TimeNs now_ns) {
   while (!peers.empty() && idle < peers.size() && allowance_bytes_ > 0.0) {
     Peer& peer = peers[data_turn_++ % peers.size()];
     ++idle;
-    if (!peer.is_alive() || !peer.out.next(store_, message_, now_ns)) continue;
+    if (!peer.is_alive() || !link_.has_room(peer.address) || !peer.out.next(store_, message_, now_ns)) continue;
     send(peer.address, MessageKind::data, message_.bytes());
     idle = 0;
   }

@@ -34,6 +34,8 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual bool send(Address to, mapper::ByteSpan message) = 0;
+  /// False: data had better wait, as it would be dropped on the way out. What is not sent is not counted as sent.
+  [[nodiscard]] virtual bool has_room(Address /*to*/) const { return true; }
 };
 
 struct GossipOptions {
