@@ -75,7 +75,11 @@ class MqttPort::Courier {
   void run() {
     hal::TimeNs pause_ns = options_.first_pause_ns;
     while (!is_ending()) {
-      if (client_->connect() && serve_until_lost()) pause_ns = options_.first_pause_ns;
+      // One that held for a while was no short breath of a broker that throws us out again and again.
+      const hal::TimeNs begin_ns = clock_.now();
+      if (client_->connect() && serve_until_lost() && clock_.now() - begin_ns >= options_.longest_pause_ns) {
+        pause_ns = options_.first_pause_ns;
+      }
       port_.is_connected_.store(false, std::memory_order_release);
       client_->disconnect();
       drop_waiting();

@@ -44,7 +44,7 @@ struct MqttPortOptions {
   hal::TimeNs linger_ns = 2'000'000;  ///< a datagram waits so long for others to travel with
   hal::TimeNs answer_within_ns = 5'000'000'000;
   hal::TimeNs first_pause_ns = 250'000'000;  ///< before it connects again; doubled each time
-  hal::TimeNs longest_pause_ns = 8'000'000'000;
+  hal::TimeNs longest_pause_ns = 2'000'000'000;
   std::uint32_t expiry_s = 5;  ///< what a broker could not pass on by then is worth nothing
 };
 

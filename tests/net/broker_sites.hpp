@@ -4,9 +4,8 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <memory>
-#include <optional>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,55 +18,23 @@
 #include "net/mqtt_port.hpp"
 #include "net/port_mux.hpp"
 #include "tests/support/gate_fleet.hpp"
+#include "tests/support/memory_air.hpp"
 
 namespace g3d::test {
-
-/// What a robot hears within its site.
-class SiteAir {
- public:
-  class Port final : public net::DatagramPort {
-   public:
-    Port(SiteAir& air, std::size_t number) : air_(air), number_(number) {}
-    bool send(net::Address to, mapper::ByteSpan datagram) override {
-      for (std::size_t i = 0; i < air_.heard_.size(); ++i) {
-        if (i == number_ || (to != net::kEverybody && to != i + 1)) continue;
-        air_.heard_[i].emplace_back(number_ + 1, mapper::Bytes(datagram.begin(), datagram.end()));
-      }
-      return true;
-    }
-    std::optional<Received> receive() override {
-      auto& heard = air_.heard_[number_];
-      if (heard.empty()) return std::nullopt;
-      last_ = std::move(heard.front());
-      heard.pop_front();
-      return Received{last_.first, last_.second};
-    }
-
-   private:
-    SiteAir& air_;
-    std::size_t number_;
-    std::pair<net::Address, mapper::Bytes> last_;
-  };
-  explicit SiteAir(std::size_t robots) : heard_(robots) {}
-
- private:
-  std::vector<std::deque<std::pair<net::Address, mapper::Bytes>>> heard_;
-};
 
 /// The same for all robots of the test.
 struct SitesSetting {
   std::uint16_t broker_port = 0;
   double broker_bandwidth_Bps = 250'000.0;
   net::MqttPortOptions mqtt;
-  std::size_t most_peers = 8;
 };
 
 class SiteRobot {
  public:
   /// `mqtt`: the way to the broker of a base station, nullptr for others.
-  SiteRobot(const net::FleetKey& keys, std::uint64_t robot, SiteAir& air, std::size_t place, net::MqttPort* mqtt,
+  SiteRobot(const net::FleetKey& keys, std::uint64_t robot, MemoryAir& air, std::size_t place, net::MqttPort* mqtt,
             double broker_bandwidth_Bps)
-      : air_port_(air, place),
+      : air_port_(air, place + 1),
         mux_([&] {
           std::vector<net::PortMux::Branch> branches{{&air_port_, 0.0}};
           if (mqtt != nullptr) branches.push_back({mqtt, broker_bandwidth_Bps});
@@ -75,7 +42,7 @@ class SiteRobot {
         }()),
         gate(copy_of(keys), {.robot = robot, .incarnation = robot + 40}),
         radio_(gate, mux_),
-        store({16, 1U << 13, std::size_t{4} << 20}),
+        store({16, 1U << 15, std::size_t{4} << 20}),
         gossip(
             [&] {
               net::GossipOptions options;
@@ -105,7 +72,7 @@ class SiteRobot {
   [[nodiscard]] const net::PortMux& mux() const { return mux_; }
 
  private:
-  SiteAir::Port air_port_;
+  MemoryAir::Port air_port_;
   net::PortMux mux_;
 
  public:
@@ -126,7 +93,7 @@ class BrokerSites {
   BrokerSites(std::size_t sites, std::size_t robots_each, const SitesSetting& setting)
       : keys(net::generate_fleet_key()) {
     for (std::size_t s = 0; s < sites; ++s) {
-      airs_.push_back(std::make_unique<SiteAir>(robots_each));
+      airs_.push_back(std::make_unique<MemoryAir>());
       net::MqttPortOptions options = setting.mqtt;
       options.host = "127.0.0.1";
       options.port = setting.broker_port;
@@ -171,7 +138,7 @@ class BrokerSites {
   net::FleetKey keys;
 
  private:
-  std::vector<std::unique_ptr<SiteAir>> airs_;
+  std::vector<std::unique_ptr<MemoryAir>> airs_;
   hal::RealClock clock_;
 
  public:

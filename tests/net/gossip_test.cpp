@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "tests/support/gossip_fleet.hpp"
@@ -236,4 +237,50 @@ TEST_CASE("a million records of which some differ after a restart: symbols withi
     CHECK(differences == differing);
     if (differing > 256) CHECK(symbols <= 1.45 * differences);
   }
+}
+
+TEST_CASE("data waits while its link has no room, and is neither sent nor taken for lost", "[net][gossip]") {
+  struct Narrow final : net::Link {
+    bool send(net::Address, mapper::ByteSpan message) override {
+      sent.emplace_back(message.begin(), message.end());
+      return true;
+    }
+    [[nodiscard]] bool has_room(net::Address) const override { return is_open; }
+    bool is_open = true;
+    std::vector<mapper::Bytes> sent;
+  };
+  const auto options = [](net::RobotId robot) {
+    net::GossipOptions of;
+    of.self = {robot, 1};
+    return of;
+  };
+  Narrow of_writer, of_reader;
+  net::LayerStore written({4, 1U << 10, 1U << 18}), read({4, 1U << 10, 1U << 18});
+  net::Gossip writer(options(1), written, of_writer), reader(options(2), read, of_reader);
+  hal::TimeNs now_ns = kSecond_ns;
+  const auto run = [&](hal::TimeNs duration_ns) {
+    for (const hal::TimeNs end_ns = now_ns + duration_ns; now_ns < end_ns; now_ns += kSecond_ns / 100) {
+      writer.on_time(now_ns);
+      for (const auto& message : std::exchange(of_writer.sent, {})) reader.on_message({1, 1, 1}, message, now_ns);
+      reader.on_time(now_ns);
+      for (const auto& message : std::exchange(of_reader.sent, {})) writer.on_message({2, 1, 2}, message, now_ns);
+    }
+  };
+  const auto data_sent = [&] {
+    return writer.counts().sent_messages[static_cast<std::size_t>(net::MessageKind::data)];
+  };
+  of_writer.is_open = false;
+  const mapper::Bytes payload(60, 7);
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    REQUIRE(writer.publish(net::block_record(0, i, net::Part::whole), net::Lane::ground, payload));
+  }
+  writer.commit(now_ns);
+  run(3 * kSecond_ns);
+  CHECK(data_sent() == 0);
+  CHECK(read.digest() != written.digest());
+  of_writer.is_open = true;
+  run(kSecond_ns / 2);
+  CHECK(read.digest() == written.digest());
+  // Each record once.
+  CHECK(data_sent() <= 8);
 }

@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -47,16 +46,10 @@ bool takes_connections(std::uint16_t port) {
 
 }  // namespace
 
-bool BrokerProcess::is_possible() {
-  if (!hal::MqttClient::is_built_in()) {
-    WARN("built without libmosquitto; scripts/static_libs builds it, then this case runs");
-    return false;
-  }
-  if (::access(kMosquitto, X_OK) != 0) {
-    WARN("no " << kMosquitto << " here; scripts/setup installs it, then this case runs");
-    return false;
-  }
-  return true;
+std::string BrokerProcess::what_is_missing() {
+  if (!hal::MqttClient::is_built_in()) return "built without libmosquitto: scripts/static_libs builds it";
+  if (::access(kMosquitto, X_OK) != 0) return std::string("no ") + kMosquitto + " here: scripts/setup installs it";
+  return {};
 }
 
 BrokerProcess::BrokerProcess(const std::string& extra) : port_(free_port()) {

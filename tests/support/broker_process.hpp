@@ -13,8 +13,8 @@ namespace g3d::test {
 
 class BrokerProcess {
  public:
-  /// Mosquitto is installed, and libmosquitto built in; warns if not.
-  [[nodiscard]] static bool is_possible();
+  /// Why there can be none, for people; empty: mosquitto is installed, and libmosquitto built in.
+  [[nodiscard]] static std::string what_is_missing();
 
   /// `extra`: lines of its configuration. Nothing runs yet.
   explicit BrokerProcess(const std::string& extra = "allow_anonymous true\n");
