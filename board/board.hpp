@@ -66,6 +66,11 @@ struct Board {
   double network_x_m = 0.0;                ///< where its map's origin lies in the fleet's world ...
   double network_y_m = 0.0;
   double network_yaw_deg = 0.0;  ///< ... and how its x axis is turned there
+  // ... and those of other sites, which a base station joins it with through an MQTT broker
+  std::string network_broker = "none";           ///< "192.0.2.7:1883"
+  std::string network_broker_topic = "g3dmap";   ///< what its topics begin with, the same at all sites
+  std::string network_broker_login = "none";     ///< file with the lines "user NAME" and "password WORD"
+  double network_broker_bandwidth_kBps = 100.0;  ///< what it may send there
 
   bool operator==(const Board&) const = default;
 };

@@ -84,6 +84,17 @@ std::span<const BoardField> board_fields() {
       {"network", "x_m", &Board::network_x_m, -1e5, 1e5, "m", "of its map's origin in the fleet's world", {}},
       {"network", "y_m", &Board::network_y_m, -1e5, 1e5, "m", "the same", {}},
       {"network", "yaw_deg", &Board::network_yaw_deg, -180, 180, "deg", "how its map is turned there", {}},
+      {"network", "broker", &Board::network_broker, 0, 0, "", "address:port of an MQTT broker, or none", {}},
+      {"network", "broker_topic", &Board::network_broker_topic, 0, 0, "", "what its topics begin with", {}},
+      {"network", "broker_login", &Board::network_broker_login, 0, 0, "", "file, or none", {}, kMaxLongTextBytes},
+      {"network",
+       "broker_bandwidth_kBps",
+       &Board::network_broker_bandwidth_kBps,
+       2,
+       1e6,
+       "kB/s",
+       "what it may send there",
+       {}},
   };
   return fields;
 }

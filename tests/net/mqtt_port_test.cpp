@@ -226,6 +226,43 @@ TEST_CASE("two sites of two robots share their layers through a broker, which di
   }
 }
 
+TEST_CASE("a broker with the access list of the README lets every site speak in its own name alone") {
+  if (!port_tests_have_broker()) return;
+  TempFolder folder;
+  const std::string users = folder / "users";
+  write_plain(users, "");
+  for (const char* user : {"1", "2", "7"}) {
+    Program passwd("/usr/bin/mosquitto_passwd", {"-b", users, user, std::string("word of ") + user});
+    REQUIRE(passwd.finish().exit_code == 0);
+  }
+  write_plain(folder / "access", "pattern write g3dmap/+/%u\npattern read g3dmap/all/+\npattern read g3dmap/%u/+\n");
+  BrokerProcess broker("allow_anonymous false\npassword_file " + users + "\nacl_file " + (folder / "access") + "\n");
+  broker.start();
+  const auto open_as = [&](SiteId site, const std::string& user, const std::string& password) {
+    MqttPortOptions options = quick_options(broker, site);
+    options.user = user;
+    options.password = password;
+    return opened(options);
+  };
+  const auto one = open_as(1, "1", "word of 1"), two = open_as(2, "2", "word of 2");
+  const auto liar = open_as(0x2A, "7", "word of 7"), guesser = open_as(3, "2", "word of 1");
+  REQUIRE(soon([&] { return one->is_connected() && two->is_connected() && liar->is_connected(); }));
+  CHECK(soon([&] { return guesser->counts().failed_connections > 0; }));
+  CHECK_THAT(guesser->last_fault(), Catch::Contains("refused: Not authorized"));
+  for (const Address to : {kEverybody, Address{1}}) {
+    CHECK(liar->send(to, numbered(9, 10)));
+    CHECK(soon([&] { return liar->counts().sent_datagrams > 0; }));
+  }
+  CHECK(two->send(kEverybody, numbered(1, 10)));
+  CHECK(two->send(1, numbered(2, 10)));
+  std::multiset<Address> heard;
+  CHECK(soon([&] {
+    while (const auto received = one->receive()) heard.insert(received->from);
+    return heard.size() >= 2;
+  }));
+  CHECK(heard == std::multiset<Address>{2, 2});
+}
+
 TEST_CASE("whoever else writes to our topics changes nothing, and learns nothing", "[threads]") {
   if (!port_tests_have_broker()) return;
   BrokerProcess broker;
