@@ -7,8 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "nav/decisions.hpp"
 #include "nav/glances.hpp"
 #include "nav/set_aside.hpp"
+#include "nav/team_claims.hpp"
 #include "nav/tour_search.hpp"
 
 namespace g3d::nav {
@@ -26,6 +28,7 @@ constexpr int kGlancesPerLook = 2;  ///< so many glances on the way in vain coun
 constexpr double kAllInVain = 0.9;  ///< of what a look was to show is still hidden
 constexpr double kSamePlace_m = 0.3;
 constexpr double kPatience_s = 30.0;
+constexpr TimeNs kTurnBackPeriod_ns = 5'000'000'000;
 constexpr double kPatienceFactor = 4.0;
 
 }  // namespace
@@ -37,7 +40,8 @@ struct Explorer::State {
     bool active = false;
     Cell cell;
     View view;
-    TimeNs deadline = 0;  ///< whoever drives should have said something by then
+    bool is_shared = false;  ///< nothing was left but what teammates claim
+    TimeNs deadline = 0;     ///< whoever drives should have said something by then
   };
   enum class Stage : std::uint8_t { start, looking_around, exploring, going_home, at_home };
 
@@ -46,13 +50,14 @@ struct Explorer::State {
   [[nodiscard]] bool has_geometry_of(const CellGrid<CellState>& ground) const;
   [[nodiscard]] bool in_area(double x_m, double y_m) const;
   [[nodiscard]] bool goal_still_pays(const CellGrid<CellState>& ground);
+  void respect_team(const CellGrid<CellState>& ground);
+  [[nodiscard]] bool may_turn_back(TimeNs now) const;
   void note_goal_is_over(const CellGrid<CellState>& ground, TimeNs now);
   void note_fruitless(const CellGrid<CellState>& ground, TimeNs now);
   void note_blocked(const CellGrid<CellState>& ground, TimeNs now);
   [[nodiscard]] std::optional<Decision> begin_search(const CellGrid<CellState>& ground, const PlanarPose& robot,
                                                      TimeNs now);
   [[nodiscard]] Decision take_tour(const CellGrid<CellState>& ground, const PlanarPose& robot, TimeNs now);
-  [[nodiscard]] Decision look_around(const PlanarPose& robot, bool is_new) const;
   [[nodiscard]] Decision goal_decision(const CellGrid<CellState>& ground, bool is_new) const;
   [[nodiscard]] Decision home_decision(const PlanarPose& robot);
   void turn_home();
@@ -68,6 +73,8 @@ struct Explorer::State {
   TourSearch search;
   SetAside aside;
   Glances glances;
+  TeamClaims claims;
+  TourOffers offers;
 
   Stage stage = Stage::start;
   bool has_home = false;
@@ -81,6 +88,7 @@ struct Explorer::State {
   TimeNs planned_at = 0;
   std::size_t changes = 0;
   bool homeward_is_new = false;
+  bool is_called_home = false;  ///< somebody has said so, or the battery
   std::uint32_t home_failures = 0;
   FrontiersLeft left;
 };
@@ -139,6 +147,21 @@ bool Explorer::State::goal_still_pays(const CellGrid<CellState>& ground) {
   return gain >= std::max(min_gain_cells, kDropShare * static_cast<double>(goal.view.gain_cells));
 }
 
+/// What teammates claim is theirs. A goal that they have come to claim as well is given up, if they go before.
+void Explorer::State::respect_team(const CellGrid<CellState>& ground) {
+  std::optional<TeamClaims::Own> own;
+  if (goal.active) own = {goal.cell, goal.view.first_bearing};
+  claims.mark(ground, search, aside, own);
+  if (goal.active && goal.is_shared) aside.forget_claims();  // until the search
+  if (goal.active && claims.is_lost(ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell))) goal.active = false;
+}
+
+/// On the way home because nothing was left to do; but teammates have seen more since.
+bool Explorer::State::may_turn_back(TimeNs now) const {
+  return stage == Stage::going_home && claims.has_team() && !is_called_home && changes >= kFewChanges &&
+         now - planned_at >= kTurnBackPeriod_ns;
+}
+
 /// It stood there and looked: what it was promised to see and did not, it will not see from there, and hardly from
 /// elsewhere if it was glanced at from several places before.
 void Explorer::State::note_fruitless(const CellGrid<CellState>& ground, TimeNs now) {
@@ -180,23 +203,9 @@ bool Explorer::State::needs_energy_for_home(const CellGrid<CellState>& ground) c
   return energy_left_s < config.home_reserve_factor * way_s + config.home_reserve_s;
 }
 
-Decision Explorer::State::look_around(const PlanarPose& robot, bool is_new) const {
-  Decision d;
-  d.kind = DecisionKind::look_around;
-  d.goal = robot;
-  d.turn_rad = kTurnAround_rad;
-  d.is_new = is_new;
-  return d;
-}
-
 Decision Explorer::State::goal_decision(const CellGrid<CellState>& ground, bool is_new) const {
-  Decision d;
-  d.kind = DecisionKind::goal;
-  d.goal = {ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell), goal.view.heading_rad};
-  d.is_new = is_new;
-  d.expected_cells = static_cast<double>(goal.view.gain_cells);
-  d.left = left;
-  return d;
+  return drive_to({ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell), goal.view.heading_rad},
+                  static_cast<double>(goal.view.gain_cells), left, is_new);
 }
 
 Decision Explorer::State::home_decision(const PlanarPose& robot) {
@@ -224,8 +233,11 @@ std::optional<Decision> Explorer::State::begin_search(const CellGrid<CellState>&
   glances.look(ground, search.targets(), search.camera(), robot, now);
   if (goal.active && !reached && now > goal.deadline) failed = true;
   note_goal_is_over(ground, now);
+  if (claims.has_team() || aside.has_claims()) respect_team(ground);
   goal_pays = goal.active && goal_still_pays(ground);
-  const bool little_new = changes < kFewChanges && now - planned_at < kKeepPlan_ns;
+  const bool is_sent_elsewhere =
+      goal_pays && claims.wants_other_than(ground.centre_x_m(goal.cell), ground.centre_y_m(goal.cell));
+  const bool little_new = changes < kFewChanges && now - planned_at < kKeepPlan_ns && !is_sent_elsewhere;
   if (goal_pays && (now - planned_at < kReplanPeriod_ns || little_new)) return goal_decision(ground, false);
   changes = 0;
   goal.active = goal_pays;
@@ -238,8 +250,11 @@ std::optional<Decision> Explorer::State::begin_search(const CellGrid<CellState>&
   const auto allowed = [this](const Place& place) {
     return in_area(origin_x_m + (place.cell.x + 0.5) * resolution_m,
                    origin_y_m + (place.cell.y + 0.5) * resolution_m) &&
-           !aside.is_place_resting(place.cell, static_cast<int>(kSamePlace_m / resolution_m));
+           !aside.is_place_resting(place.cell, static_cast<int>(kSamePlace_m / resolution_m)) &&
+           !claims.is_claimed(origin_x_m + (place.cell.x + 0.5) * resolution_m,
+                              origin_y_m + (place.cell.y + 0.5) * resolution_m);
   };
+  if (goal.active && goal.is_shared) claims.mark(ground, search, aside, std::nullopt);
   search.begin(at, robot, goal.active ? std::optional(KeptView{goal.view, goal.cell}) : std::nullopt, allowed);
   is_searching = true;
   return std::nullopt;
@@ -250,19 +265,24 @@ Decision Explorer::State::take_tour(const CellGrid<CellState>& ground, const Pla
   left = search.left();
   const std::span<const View> views = search.views();
   const bool low = needs_energy_for_home(ground);
+  offers.count = 0;
   if (low || views.empty()) {
+    is_called_home = is_called_home || low;
     if (low) left[LeftReason::energy] += left.open;
     left.open = 0;
     turn_home();
     return home_decision(robot);
   }
-  const View& first = views.front();
+  offers.take(ground, search, robot);
+  const View* const sent_to = claims.assigned(ground, search, views);
+  const View& first = sent_to != nullptr ? *sent_to : views.front();
   const Place& place = search.place(first);
   const bool same = goal.active && goal.cell == place.cell &&
                     std::abs(std::remainder(first.heading_rad - goal.view.heading_rad, kTurnAround_rad)) < 0.3;
   if (same && goal_pays) return goal_decision(ground, false);
   const double way_s = search.way_m(place.road).value_or(0.0) / config.speed_mps;
-  goal = {true, place.cell, first, now + static_cast<TimeNs>((kPatience_s + kPatienceFactor * way_s) * 1e9)};
+  const bool is_shared = claims.size() > 0 && !aside.has_claims();
+  goal = {true, place.cell, first, is_shared, now + static_cast<TimeNs>((kPatience_s + kPatienceFactor * way_s) * 1e9)};
   return goal_decision(ground, true);
 }
 
@@ -288,10 +308,10 @@ std::optional<Decision> Explorer::decide(const CellGrid<CellState>& ground, cons
   if (!s.has_home) set_home(T_world_base);
   if (s.stage == State::Stage::start) {
     s.stage = s.config.look_around_first ? State::Stage::looking_around : State::Stage::exploring;
-    if (s.config.look_around_first) return s.look_around(T_world_base, true);
+    if (s.config.look_around_first) return look_around_here(T_world_base, kTurnAround_rad, true);
   }
   if (s.stage == State::Stage::looking_around) {
-    if (!s.reached && !s.failed) return s.look_around(T_world_base, false);
+    if (!s.reached && !s.failed) return look_around_here(T_world_base, kTurnAround_rad, false);
     s.stage = State::Stage::exploring;
     s.reached = s.failed = false;
   }
@@ -301,7 +321,9 @@ std::optional<Decision> Explorer::decide(const CellGrid<CellState>& ground, cons
       s.homeward_is_new = true;
     }
     s.failed = false;
-    return s.home_decision(T_world_base);
+    if (!s.may_turn_back(now)) return s.home_decision(T_world_base);
+    s.stage = State::Stage::exploring;
+    s.homeward_is_new = false;
   }
   // A search that was to keep the goal is of no use when the goal is over; another one is.
   if (s.is_searching && (s.reached || s.failed)) {
@@ -356,7 +378,15 @@ void Explorer::set_home(const PlanarPose& T_world_home) {
 
 void Explorer::set_energy_left(double seconds) { state_->energy_left_s = seconds; }
 
+void Explorer::set_team(const TeamSight& sight, TimeNs now) { state_->claims.take(sight, now); }
+
+std::size_t Explorer::offers(std::span<Offer, kMostOffers> out) const {
+  std::copy_n(state_->offers.offers.begin(), state_->offers.count, out.begin());
+  return state_->offers.count;
+}
+
 void Explorer::return_home(bool for_energy) {
+  state_->is_called_home = true;
   if (for_energy) state_->left[LeftReason::energy] += std::exchange(state_->left.open, 0);
   if (state_->stage != State::Stage::going_home && state_->stage != State::Stage::at_home) state_->turn_home();
 }

@@ -60,6 +60,8 @@ class Explorer final : public GoalChooser {
   void set_home(const PlanarPose& T_world_home) override;
   void set_energy_left(double seconds) override;
   void return_home(bool for_energy) override;
+  void set_team(const TeamSight& sight, TimeNs now) override;
+  [[nodiscard]] std::size_t offers(std::span<Offer, kMostOffers> out) const override;
   [[nodiscard]] std::span<const std::uint32_t> frontier_cells() const override;
 
  private:

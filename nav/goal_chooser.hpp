@@ -16,6 +16,7 @@
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
 #include "nav/explained.hpp"
+#include "nav/teammates.hpp"
 
 namespace g3d::nav {
 
@@ -77,6 +78,11 @@ class GoalChooser {
   virtual void set_energy_left(double seconds) = 0;
   /// Ends exploration: the next decisions lead home. `for_energy`: what is still open was left for the battery's sake.
   virtual void return_home(bool for_energy) = 0;
+
+  /// What teammates claim, and what the leader wants; the latest counts. Alone (count 0) nothing is changed by it.
+  virtual void set_team(const TeamSight&, TimeNs) {}
+  /// Where it could go next, best first, as of the last decision. Returns how many.
+  [[nodiscard]] virtual std::size_t offers(std::span<Offer, kMostOffers>) const { return 0; }
 
   /// Frontier cells as of the last decision (pictures, pages), indices ascending within no particular order.
   [[nodiscard]] virtual std::span<const std::uint32_t> frontier_cells() const = 0;

@@ -5,6 +5,11 @@
 #include <cstdlib>
 
 namespace g3d::nav {
+namespace {
+
+constexpr std::size_t kMostClaimed = 16384;  // what fifteen robots see around them, twice
+
+}  // namespace
 
 void SetAside::reset(std::size_t targets, int max_tries, double rest_s) {
   max_tries_ = max_tries;
@@ -13,13 +18,15 @@ void SetAside::reset(std::size_t targets, int max_tries, double rest_s) {
   tries_.assign(targets, 0);
   resting_.clear();
   resting_.reserve(4096);
+  claimed_.clear();
+  claimed_.reserve(std::min(targets, kMostClaimed));
   place_count_ = 0;
 }
 
 void SetAside::target_failed(std::uint32_t target, Cause cause, hal::TimeNs now, int weight) {
   std::uint8_t& flags = ignored_[target];
   if ((flags & (kResting | kGivenUp)) != 0) return;
-  flags = static_cast<std::uint8_t>((flags & kExcluded) | (cause == Cause::blocked ? kBlocked : 0));
+  flags = static_cast<std::uint8_t>((flags & kNotOurs) | (cause == Cause::blocked ? kBlocked : 0));
   tries_[target] = static_cast<std::uint8_t>(std::min(tries_[target] + weight, max_tries_));
   if (tries_[target] >= max_tries_) {
     flags |= kGivenUp;
@@ -63,7 +70,7 @@ void SetAside::expire(hal::TimeNs now) {
 void SetAside::forgive_blocked() {
   for (std::size_t i = 0; i < ignored_.size(); ++i) {
     if ((ignored_[i] & kBlocked) == 0) continue;
-    ignored_[i] &= kExcluded;
+    ignored_[i] &= kNotOurs;
     tries_[i] = 0;
   }
   std::erase_if(resting_, [&](const RestingTarget& r) { return (ignored_[r.target] & kResting) == 0; });
@@ -77,6 +84,22 @@ bool SetAside::wake_all() {
     any = true;
   }
   resting_.clear();
+  return any;
+}
+
+void SetAside::claim(std::uint32_t target) {
+  if (is_claimed(target) || claimed_.size() == claimed_.capacity()) return;
+  ignored_[target] |= kClaimed;
+  claimed_.push_back(target);
+}
+
+bool SetAside::forget_claims() {
+  bool any = false;
+  for (const std::uint32_t target : claimed_) {
+    any = any || is_claimed(target);
+    unclaim(target);
+  }
+  claimed_.clear();
   return any;
 }
 

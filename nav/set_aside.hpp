@@ -33,8 +33,16 @@ class SetAside {
   /// Ends all rests: nothing else is left to do. False if there were none.
   bool wake_all();
 
+  /// Teammates see to it: not to be looked at until forget_claims().
+  void claim(std::uint32_t target);
+  void unclaim(std::uint32_t target) { ignored_[target] &= static_cast<std::uint8_t>(~kClaimed); }
+  /// False if there were none.
+  bool forget_claims();
+  [[nodiscard]] bool has_claims() const { return !claimed_.empty(); }
+
   /// Per target: nonzero while it is not to be looked at.
   [[nodiscard]] std::span<const std::uint8_t> ignored() const { return ignored_; }
+  [[nodiscard]] bool is_claimed(std::uint32_t target) const { return (ignored_[target] & kClaimed) != 0; }
   [[nodiscard]] bool is_excluded(std::uint32_t target) const { return (ignored_[target] & kExcluded) != 0; }
   [[nodiscard]] bool is_given_up(std::uint32_t target) const { return (ignored_[target] & kGivenUp) != 0; }
   [[nodiscard]] bool was_blocked(std::uint32_t target) const { return (ignored_[target] & kBlocked) != 0; }
@@ -45,6 +53,8 @@ class SetAside {
   static constexpr std::uint8_t kResting = 2;
   static constexpr std::uint8_t kGivenUp = 4;
   static constexpr std::uint8_t kBlocked = 8;  ///< only together with one of the others
+  static constexpr std::uint8_t kClaimed = 16;
+  static constexpr std::uint8_t kNotOurs = kExcluded | kClaimed;
 
   struct RestingTarget {
     std::uint32_t target = 0;
@@ -62,6 +72,7 @@ class SetAside {
   std::vector<std::uint8_t> ignored_;
   std::vector<std::uint8_t> tries_;
   std::vector<RestingTarget> resting_;
+  std::vector<std::uint32_t> claimed_;  ///< targets
   std::array<RestingPlace, kMaxPlaces> places_{};
   std::size_t place_count_ = 0;
 };

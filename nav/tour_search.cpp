@@ -51,6 +51,11 @@ std::span<const RayGain> TourSearch::look(const CellGrid<CellState>& ground, Cel
   return looked_;
 }
 
+std::span<const RayGain> TourSearch::look_around(const CellGrid<CellState>& ground, Cell at) {
+  camera_->look(ground, at, panorama_);
+  return panorama_;
+}
+
 void TourSearch::begin(Cell at, const hal::PlanarPose& robot, const std::optional<KeptView>& kept,
                        std::function<bool(const Place&)> allowed) {
   robot_ = robot;
@@ -114,7 +119,7 @@ bool TourSearch::go_on(const CellGrid<CellState>& ground, const CellGrid<std::ui
         }
         if (tour_.views().empty() && ++level_ < kLevels) {
           begin_tour();
-        } else if (tour_.views().empty() && (!places_.is_complete() || aside.wake_all())) {
+        } else if (tour_.views().empty() && (!places_.is_complete() || aside.forget_claims() || aside.wake_all())) {
           begin_refresh(ground);
         } else if (tour_.views().empty() && !is_closer_) {
           is_closer_ = true;

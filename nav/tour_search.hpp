@@ -45,7 +45,8 @@ class TourSearch {
   /// `allowed`: where views may be. Drops a search that is under way.
   void begin(Cell at, const hal::PlanarPose& robot, const std::optional<KeptView>& kept,
              std::function<bool(const Place&)> allowed);
-  /// Until it says true. Wakes what was set aside if nothing else is left.
+  /// Until it says true. If nothing else is left, goes to what others have claimed,
+  /// and wakes what was set aside.
   [[nodiscard]] bool go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, SetAside& aside,
                            WorkBudget& budget);
 
@@ -58,6 +59,10 @@ class TourSearch {
   [[nodiscard]] const Place& place(const View& view) const { return places_.place(view.slot); }
   /// Metres from the robot; none if there is no way.
   [[nodiscard]] std::optional<double> way_m(std::uint32_t road) const;
+  /// Seconds from the robot to one of the views, turns included.
+  [[nodiscard]] double seconds_to(const View& view, const hal::PlanarPose& robot) const {
+    return tour_.seconds_to(roads_, from_robot_, robot, from_robot_.reached.front(), view.road, view.heading_rad);
+  }
 
   [[nodiscard]] const FrontierMap& frontiers() const { return frontiers_; }
   [[nodiscard]] const RoadGrid& roads() const { return roads_; }
@@ -65,6 +70,8 @@ class TourSearch {
   [[nodiscard]] const ViewGain& camera() const { return *camera_; }
   /// What looking along a view shows now, ray by ray.
   [[nodiscard]] std::span<const RayGain> look(const CellGrid<CellState>& ground, Cell at, int first_bearing);
+  /// The same in all directions. Valid until the next look.
+  [[nodiscard]] std::span<const RayGain> look_around(const CellGrid<CellState>& ground, Cell at);
 
  private:
   enum class Step : std::uint8_t { travelling, refreshing, touring, explaining, done };
