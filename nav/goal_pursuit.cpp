@@ -24,8 +24,11 @@ Way GoalPursuit::plan(Surroundings& floor, const hal::PlanarPose& T_world_base, 
   next_plan_ns_ = after(now, config_.plan_period_s);
   next_refresh_ns_ = after(now, config_.refresh_period_s);
   Way way = Way::open;
-  const CellGrid<std::uint8_t>& cost = config_.known_cost != nullptr ? *config_.known_cost : floor.cost();
+  const CellGrid<std::uint8_t>& cost = config_.known_cost != nullptr ? *config_.known_cost : floor.way_cost();
   Route route = planner_.plan(cost, T_world_base, goal, config_.goal_tolerance_m, config_.through_unknown);
+  // A teammate goes away sooner or later: nearer to him is better than nowhere.
+  is_behind_mate_ = route.status != PathStatus::found && &cost == &floor.way_cost() && &cost != &floor.cost();
+  if (is_behind_mate_) route = planner_.plan(floor.cost(), T_world_base, goal, config_.goal_tolerance_m);
   if (route.status != PathStatus::found && may_retrace) {
     // It came that way: whoever stands there may be gone, and is seen from nearby.
     way = Way::own;
@@ -47,7 +50,8 @@ void GoalPursuit::allow_time(TimeNs now) {
 
 hal::Twist GoalPursuit::step(const Surroundings& floor, const hal::PlanarPose& T_world_base,
                              const hal::Twist& velocity) {
-  return follower_.step(T_world_base, velocity, floor.states(), floor.cost(), &floor);
+  const CellGrid<std::uint8_t>& cost = is_behind_mate_ ? floor.cost() : floor.way_cost();
+  return follower_.step(T_world_base, velocity, floor.states(), cost, &floor);
 }
 
 std::optional<Waypoint> GoalPursuit::closed_at() const {

@@ -74,6 +74,7 @@ class GoalPursuit {
   Follower follower_;
   bool takes_any_heading_ = false;
   bool is_hemmed_in_ = false;
+  bool is_behind_mate_ = false;  ///< the path leads through a teammate who stands there
   TimeNs next_plan_ns_ = 0;
   TimeNs next_refresh_ns_ = 0;
   TimeNs goal_until_ns_ = 0;

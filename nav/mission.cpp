@@ -21,7 +21,7 @@ constexpr std::array kCourse{
     Row{S::starting, Event::battery_low, S::returning},   Row{S::starting, Event::come_home, S::returning},
     Row{S::exploring, Event::explored, S::returning},     Row{S::exploring, Event::battery_low, S::returning},
     Row{S::exploring, Event::come_home, S::returning},    Row{S::returning, Event::at_home, S::home},
-    Row{S::returning, Event::no_way_home, S::needs_help},
+    Row{S::returning, Event::no_way_home, S::needs_help}, Row{S::returning, Event::more_to_see, S::exploring},
 };
 
 bool is_course(S state) { return state == S::starting || state == S::exploring || state == S::returning; }

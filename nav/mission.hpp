@@ -3,6 +3,7 @@
 // in every state; what is not in the table changes nothing.
 //
 //   starting --looked_around--> exploring --explored / battery_low / come_home--> returning --at_home--> home
+//                               exploring <----------------more_to_see----------- returning
 //       any of these three <--pause / resume--> paused,  --lost / resume--> needs_help,  --stop / resume--> stopped
 #pragma once
 
@@ -28,6 +29,7 @@ enum class MissionEvent : std::uint8_t {
   come_home,
   at_home,
   no_way_home,  ///< exploration is over and home cannot be reached
+  more_to_see,  ///< on the way home: teammates have found what is worth another look
   lost,         ///< no goal can be reached any more
   pause,
   resume,

@@ -20,6 +20,8 @@ std::string_view name_of(StopReason reason) {
       return "no_progress";
     case StopReason::no_path:
       return "no_path";
+    case StopReason::teammate:
+      return "teammate";
     case StopReason::held:
       return "held";
   }

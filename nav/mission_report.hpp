@@ -25,8 +25,9 @@ enum class StopReason : std::uint8_t {
   no_progress,  ///< commanded, but did not move
   no_path,      ///< nowhere to go from here
   held,         ///< paused, stopped or waiting for help
+  teammate,     ///< waited for another robot
 };
-inline constexpr std::size_t kStopReasons = 6;
+inline constexpr std::size_t kStopReasons = 7;
 [[nodiscard]] std::string_view name_of(StopReason reason);
 
 struct CoverageSample {

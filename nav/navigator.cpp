@@ -26,6 +26,11 @@ ExplorerConfig sized(ExplorerConfig config, const CellGrid<CellState>& states) {
   return config;
 }
 
+RightOfWayConfig fitted(RightOfWayConfig config, const MotionLimits& limits) {
+  config.body_radius_m = limits.body_radius_m;
+  return config;
+}
+
 }  // namespace
 
 Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
@@ -39,7 +44,9 @@ Navigator::Navigator(const mapper::Grid& grid, const NavigatorConfig& config)
       recovery_(config.recovery),
       closed_way_(config.closed_wait_s),
       standby_(config.retry_s, config.max_retries),
-      progress_(config.no_progress_s, config.lost_s) {
+      progress_(config.no_progress_s, config.lost_s),
+      right_of_way_(fitted(config.right_of_way, config.follower.limits)),
+      refuge_(floor_.states().resolution_m) {
   chooser_->prepare(floor_.states(), floor_.cost());
 }
 
@@ -133,6 +140,7 @@ void Navigator::decide(TimeNs now) {
   if (decision_.kind == DecisionKind::go_home && look_at_closed_way(now)) return;
   if (decision_.kind != DecisionKind::look_around) mission_.apply(MissionEvent::looked_around);
   if (decision_.kind == DecisionKind::go_home) mission_.apply(MissionEvent::explored);
+  if (decision_.kind == DecisionKind::goal) mission_.apply(MissionEvent::more_to_see);
   const bool is_idle = !spin_.is_active() && pursuit_.is_idle();
   // A look around moves its goal's heading along with the robot: that is no other goal.
   const bool is_other = decision_.kind != followed_.kind || (!spin_.is_active() && !(decision_.goal == followed_.goal));
@@ -191,6 +199,7 @@ void Navigator::follow_decision(TimeNs now) {
 
 bool Navigator::plan(TimeNs now) {
   ++report_.paths_planned;
+  is_making_room_ = false;
   const bool is_goal = decision_.kind == DecisionKind::goal;
   const bool may_retrace = !is_goal || goals_in_vain_ >= kCutOff;
   const Way way = pursuit_.plan(floor_, base_.T_world_base, decision_.goal, is_goal, may_retrace, now);
@@ -304,11 +313,13 @@ void Navigator::arrive(TimeNs now) {
 
 hal::Twist Navigator::follow(TimeNs now) {
   hal::Twist twist = pursuit_.step(floor_, base_.T_world_base, base_.velocity);
+  if (is_making_room_) return make_room(twist, now);
   if (pursuit_.has_arrived()) {
     arrive(now);
     return twist;
   }
-  if (const auto closed_at = pursuit_.closed_at()) closed_way_.note(*closed_at, base_.T_world_base);
+  const auto closed_at = pursuit_.closed_at();
+  if (closed_at && ClosedWays::is_closed(*closed_at, floor_.cost())) closed_way_.note(*closed_at, base_.T_world_base);
   if (pursuit_.wants_path(now)) {
     if (!plan(now)) return {};
     twist = pursuit_.step(floor_, base_.T_world_base, base_.velocity);
@@ -317,6 +328,7 @@ hal::Twist Navigator::follow(TimeNs now) {
     fail_goal(GoalFailure::timeout, now);
     return {};
   }
+  twist = give_way(twist, now);
   if (pursuit_.is_shut_for_long(now)) {
     begin_trouble(Trouble::shut, StopReason::shut, 0.0, now);
     // It has waited before: whatever stands there stays. Other goals may do as well.
@@ -354,29 +366,6 @@ void Navigator::push_against(const hal::Twist& twist, TimeNs now) {
   begin_trouble(Trouble::no_progress, StopReason::no_progress, 0.0, now);
 }
 
-void Navigator::retry(TimeNs now) {
-  if (!standby_.should_retry(mission_.state(), now)) return;
-  progress_.note_got_on(base_.T_world_base, now);
-  floor_.forget_touches();
-  mission_.apply(MissionEvent::resume);
-  next_decision_ns_ = now;
-}
-
-// Whether it has to stand: the mission is held or over, or the safety table says so.
-bool Navigator::stands_by(TimeNs now) {
-  const bool is_forbidden = base_.verdict.state == hal::SafetyState::stand;
-  const bool stands = !mission_.is_driving() || is_forbidden;
-  const Standby::Step standing = standby_.step(stands, now);
-  if (standing.began && !mission_.is_over()) {
-    report_.note_stop(is_forbidden ? StopReason::safety : StopReason::held);
-    if (is_forbidden && base_.verdict.reason == hal::Condition::over_current) push_against(last_twist_, now);
-  }
-  if (standing.ended) pursuit_.refresh(now);
-  pursuit_.leave_out(standing.stood_ns);
-  progress_.leave_out(standing.stood_ns);
-  return stands;
-}
-
 hal::Twist Navigator::step(TimeNs now) {
   if (!has_base_ || is_map_moving_) return {};
   retry(now);
@@ -384,7 +373,7 @@ hal::Twist Navigator::step(TimeNs now) {
   if (closed_way_.is_active()) {
     if (const auto finding = closed_way_.step(floor_.cost(), now)) judge_closed_way(*finding, now);
   }
-  if (!closed_way_.is_active() && now >= next_decision_ns_ && !recovery_.is_active()) {
+  if (!closed_way_.is_active() && now >= next_decision_ns_ && !recovery_.is_active() && !is_making_room()) {
     decide(now);
   } else {
     chooser_->work_ahead(floor_.states(), floor_.cost(), floor_.changed_cells());

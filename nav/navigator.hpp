@@ -32,9 +32,12 @@
 #include "nav/mission_report.hpp"
 #include "nav/progress_watch.hpp"
 #include "nav/recovery.hpp"
+#include "nav/refuge.hpp"
+#include "nav/right_of_way.hpp"
 #include "nav/spin.hpp"
 #include "nav/standby.hpp"
 #include "nav/surroundings.hpp"
+#include "nav/teammates.hpp"
 
 namespace g3d::nav {
 
@@ -60,14 +63,17 @@ struct NavigatorConfig {
   PursuitConfig pursuit;
   FollowerConfig follower;
   RecoveryConfig recovery;
+  RightOfWayConfig right_of_way;
   double decide_period_s = 1.0;
   bool is_steadfast = true;  ///< a goal that is taken up again soon after it was left is driven to the end
   double home_tolerance_m = 0.30;
   double no_progress_s = 3.0;
-  double lost_s = 180.0;       ///< without having got anywhere: it needs help,
-  double retry_s = 20.0;       ///< and tries by itself again after this,
-  int max_retries = 5;         ///< so many times
-  double closed_wait_s = 5.0;  ///< how long it watches a closed way before it takes it for closed
+  double lost_s = 180.0;        ///< without having got anywhere: it needs help,
+  double retry_s = 20.0;        ///< and tries by itself again after this,
+  int max_retries = 5;          ///< so many times
+  double mate_stands_s = 8.0;   ///< how long it waits behind a teammate who stands in its way,
+  double mate_passes_s = 20.0;  ///< and for those who go first; then another goal may do as well
+  double closed_wait_s = 5.0;   ///< how long it watches a closed way before it takes it for closed
 };
 
 class Navigator {
@@ -96,6 +102,12 @@ class Navigator {
   [[nodiscard]] hal::Twist step(TimeNs now);
   /// A person's word: pause, resume, stop, come_home; and battery_low. Others are the navigator's own: ignored.
   void command(MissionEvent event);
+
+  /// What teammates say, whenever there is news, and a few times a second: see teammates.hpp. A robot that never hears
+  /// of any does nothing differently.
+  void on_team(const TeamSight& sight, TimeNs now);
+  /// What there is to tell them. Some ten microseconds.
+  [[nodiscard]] TeamWord team_word(TimeNs now) const;
 
   [[nodiscard]] const Mission& mission() const { return mission_; }
   [[nodiscard]] const Recovery& recovery() const { return recovery_; }
@@ -138,6 +150,14 @@ class Navigator {
   void retry(TimeNs now);
   [[nodiscard]] bool is_at_home() const;
 
+  // Others (navigator_waiting.cpp)
+  [[nodiscard]] double first_turn_s() const;
+  [[nodiscard]] hal::Twist give_way(const hal::Twist& wanted, TimeNs now);
+  void wait_for_others(bool waits, bool is_yielding, TimeNs now);
+  [[nodiscard]] bool find_room(TimeNs now);
+  [[nodiscard]] hal::Twist make_room(const hal::Twist& wanted, TimeNs now);
+  [[nodiscard]] bool is_making_room() const { return is_making_room_ && !pursuit_.is_idle(); }
+
   NavigatorConfig config_;
   Surroundings floor_;
   std::unique_ptr<GoalChooser> chooser_;
@@ -148,6 +168,8 @@ class Navigator {
   ClosedWayCheck closed_way_;
   Standby standby_;
   ProgressWatch progress_;
+  RightOfWay right_of_way_;
+  Refuge refuge_;
   Mission mission_;
   MissionReport report_;
 
@@ -170,6 +192,13 @@ class Navigator {
   GoalHistory left_goals_;
   bool is_sent_home_ = false;
   bool was_reopened_ = false;
+
+  bool is_yielding_ = false;     ///< it stands for one who goes first
+  bool is_making_room_ = false;  ///< what is pursued is no goal but a place out of the way
+  TimeNs room_until_ns_ = 0;
+  TimeNs next_room_ns_ = 0;
+  TimeNs waits_since_ns_ = -1;  ///< -1: it does not wait for others
+  TimeNs last_wait_ns_ = 0;
 };
 
 }  // namespace g3d::nav

@@ -39,6 +39,12 @@ class Passers {
            tracks_.may_come(until_.centre_x_m(c), until_.centre_y_m(c), now);
   }
 
+  /// When the camera last looked through there; 0: never, or it lies outside.
+  [[nodiscard]] hal::TimeNs looked_ns(double x_m, double y_m) const {
+    const Cell c = looked_.cell_of(x_m, y_m);
+    return looked_.contains(c) && looked_.at(c) > 0 ? (static_cast<hal::TimeNs>(looked_.at(c)) - 1) * 100'000'000 : 0;
+  }
+
   /// Nobody has looked through this cell lately, and somebody who is about could have walked there since.
   [[nodiscard]] bool may_have_come(Cell c, hal::TimeNs now) const {
     return looked_.contains(c) && tick(now) > looked_.at(c) + static_cast<std::uint32_t>(10.0 * config_.fresh_s) &&

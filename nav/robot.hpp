@@ -63,6 +63,10 @@ class Robot {
     navigator_.on_map(shared_->map(), slots, {}, now);
   }
 
+  /// See Navigator::on_team() and team_word().
+  void on_team(const TeamSight& sight, hal::TimeNs now) { navigator_.on_team(sight, now); }
+  [[nodiscard]] TeamWord team_word(hal::TimeNs now) const { return navigator_.team_word(now); }
+
   /// For people who look on.
   [[nodiscard]] LiveStatus status(hal::TimeNs now) const {
     return status_of(navigator_, driver_.state(), T_world_base(), now);

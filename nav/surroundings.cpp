@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/surroundings.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace g3d::nav {
@@ -11,6 +12,7 @@ constexpr double kSameThing_m = 1.0;     // touches this near to each other are 
 constexpr double kCarefulAbout_m = 0.7;  // a touch: panes are wide
 constexpr double kNearTouch_m = 1.8;
 constexpr double kSuspect_m = 0.65;  // where what is too near to be measured is taken to stand
+constexpr double kTeammate_m = 0.2;  // so near to a teammate's body it is he who is touched
 constexpr std::size_t kMostTouches = 256;
 constexpr std::uint8_t kOwnWayCost = 250;
 constexpr double kTightSpare_m = 0.01;  // in a tight place; MotionLimits::touch_margin_m
@@ -35,6 +37,7 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
       scan_(config.frame_view.depth_scan),
       passers_(ground_.states(), config.frame_view.passers),
       steps_(ground_.states(), config.frame_view.floor_steps),
+      team_cost_(tight_.cost()),
       scratch_(ground_.states().cells.size()),
       is_noted_(ground_.states().cells.size()),
       own_way_(tight_.cost()) {
@@ -44,6 +47,7 @@ Surroundings::Surroundings(const mapper::Grid& grid, const SurroundingsConfig& c
 }
 
 void Surroundings::note_changed(std::span<const std::uint32_t> cells) {
+  team_cost_.note_changed(tight_.cost(), cells);
   for (const std::uint32_t cell : cells) {
     if (is_noted_[cell] != 0) continue;
     is_noted_[cell] = 1;
@@ -94,10 +98,29 @@ void Surroundings::on_frame(const hal::Frame& frame, const hal::CameraModel& cam
     ground_.mark_step(c, steps_.is_step(c));
   }
   take_over_changes();
+  if (!bodies_.empty()) let_bodies_stand(now);
+}
+
+void Surroundings::on_team(const TeamSight& sight, TimeNs now) {
+  bodies_.take(sight);
+  bodies_.look_around(here_, now);
+  let_bodies_stand(now);
+}
+
+void Surroundings::let_bodies_stand(TimeNs now) {
+  bodies_.forget_gone(now, [this](double x_m, double y_m) { return passers_.looked_ns(x_m, y_m); });
+  std::array<TeamCost::Body, kMostTeammates> standing;
+  std::size_t count = 0;
+  const double own_m = planning_radius_m(body_radius_m_, ground_.resolution_m());
+  bodies_.for_standing(now, [&](double x_m, double y_m, double radius_m) {
+    standing[count++] = {x_m, y_m, own_m + radius_m};
+  });
+  team_cost_.stand(tight_.cost(), std::span(standing).first(count));
 }
 
 void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
   now_ns_ = now;
+  if (!bodies_.empty()) bodies_.look_around(pose, now);
   if (!trace_.tread(pose)) return;
   here_ = pose;
   way_.tread({now, pose.x_m, pose.y_m});
@@ -136,6 +159,7 @@ void Surroundings::mark_touches_with(const Waypoint& touch, std::size_t others) 
 
 void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad) {
   const Waypoint touch = where_touched(ground_.states(), T_world_base, side_rad, body_radius_m_);
+  if (bodies_.is_near(touch.x_m, touch.y_m, kTeammate_m, now_ns_)) return;  // no part of the building
   mark_touches_with(touch, touches_.size());
   if (touches_.size() < kMostTouches) {
     touches_.push_back(touch);
@@ -146,6 +170,7 @@ void Surroundings::on_touch(const hal::PlanarPose& T_world_base, double side_rad
 
 void Surroundings::close_suspects() {
   near_watch_.for_suspicious(kSuspect_m, [this](double x_m, double y_m) {
+    if (bodies_.is_near(x_m, y_m, kTeammate_m, now_ns_)) return;
     ground_.mark_contact(x_m, y_m, kTouchRadius_m);
     has_closed_ = true;
   });

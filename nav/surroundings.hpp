@@ -21,6 +21,8 @@
 #include "nav/moved_lately.hpp"
 #include "nav/near_watch.hpp"
 #include "nav/passers.hpp"
+#include "nav/team_bodies.hpp"
+#include "nav/team_cost.hpp"
 #include "nav/tight_places.hpp"
 #include "nav/trodden_way.hpp"
 
@@ -61,6 +63,9 @@ class Surroundings final : public FloorKnowledge {
   /// Something was touched by this part of the bumper (0 ahead, kBumperSide_rad left, -kBumperSide_rad right). Touches
   /// near one another are of one thing: what lies between them is closed as well.
   void on_touch(const hal::PlanarPose& T_world_base, double side_rad);
+  /// What teammates say of themselves, the latest word of all. Nobody drives into their bodies, and no path leads
+  /// through those that stand.
+  void on_team(const TeamSight& sight, TimeNs now);
   /// What is suspect right now has not gone away: the way there is closed until reopen(), for planning as well.
   void close_suspects();
   /// Forgets what close_suspects() closed. False if there was nothing.
@@ -77,6 +82,11 @@ class Surroundings final : public FloorKnowledge {
   [[nodiscard]] const GroundMap& ground() const { return ground_; }
   [[nodiscard]] const CellGrid<CellState>& states() const { return ground_.states(); }
   [[nodiscard]] const CellGrid<std::uint8_t>& cost() const { return tight_.cost(); }
+  /// The same with teammates that stand about, for paths. It is cost() itself where there are none.
+  [[nodiscard]] const CellGrid<std::uint8_t>& way_cost() const {
+    return team_cost_.empty() ? cost() : team_cost_.cost();
+  }
+  [[nodiscard]] const TeamBodies& bodies() const { return bodies_; }
   /// The same, but where the body has been it may be again, at a high cost: for the way back. Copies the whole grid.
   [[nodiscard]] const CellGrid<std::uint8_t>& cost_of_own_way();
   /// Cells whose state or cost changed since forget_changes(), each once.
@@ -86,7 +96,8 @@ class Surroundings final : public FloorKnowledge {
   [[nodiscard]] bool is_seen(Cell c) const override;
   [[nodiscard]] bool is_unwatched(Cell c) const override { return passers_.may_have_come(c, now_ns_); }
   [[nodiscard]] bool is_suspect(Cell c) const override {
-    return near_watch_.is_suspect(c, now_ns_) || passers_.is_there(c, now_ns_);
+    return near_watch_.is_suspect(c, now_ns_) || passers_.is_there(c, now_ns_) ||
+           (!bodies_.empty() && bodies_.may_be_at(states().centre_x_m(c), states().centre_y_m(c)));
   }
   /// While it trusts its own way: what reaches into it by a cell is noise, what is beside it begins in a cell's middle.
   [[nodiscard]] Extent extent(Cell c) const override;
@@ -97,6 +108,7 @@ class Surroundings final : public FloorKnowledge {
   void take_over_changes();
   void note_changed(std::span<const std::uint32_t> cells);
   void find_near_touches();
+  void let_bodies_stand(TimeNs now);
 
   double body_radius_m_;
   GroundMap ground_;
@@ -111,6 +123,8 @@ class Surroundings final : public FloorKnowledge {
   DepthScan scan_;
   Passers passers_;
   FloorSteps steps_;
+  TeamBodies bodies_;
+  TeamCost team_cost_;
   bool has_frames_ = false;  ///< else the map alone has to say where the camera looked
   TimeNs now_ns_ = 0;
   std::vector<Waypoint> touches_;

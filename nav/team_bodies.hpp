@@ -28,7 +28,10 @@ inline constexpr double kTeamWordFresh_s = 3.0;
 class TeamBodies {
  public:
   /// The latest word of all. A mate that is silent keeps its place here, unless it has been seen to be gone.
-  void take(const TeamSight& sight) { sight_ = sight; }
+  void take(const TeamSight& sight) {
+    sight_ = sight;
+    is_gone_ = {};
+  }
   [[nodiscard]] const TeamSight& sight() const { return sight_; }
   [[nodiscard]] bool empty() const { return sight_.count == 0; }
   /// Calls `looked_through_ns(x_m, y_m)` for the silent ones: when the camera last looked through there. Whoever is

@@ -21,12 +21,18 @@ double off_line_m(const Waypoint& p, const Waypoint& a, const Waypoint& b) {
 
 }  // namespace
 
-WayTold tell_way(const PathTrack& track, const hal::PlanarPose& here, double speed_mps, double first_turn_s) {
+WayTold tell_place(const hal::PlanarPose& here) {
   WayTold told;
+  told.points[0] = {static_cast<float>(here.x_m), static_cast<float>(here.y_m), 0.0F};
+  told.count = 1;
+  return told;
+}
+
+WayTold tell_way(const PathTrack& track, const hal::PlanarPose& here, double speed_mps, double first_turn_s) {
+  WayTold told = tell_place(here);
   const auto tell = [&told](const Waypoint& at, double after_s) {
     told.points[told.count++] = {static_cast<float>(at.x_m), static_cast<float>(at.y_m), static_cast<float>(after_s)};
   };
-  tell({here.x_m, here.y_m}, 0.0);
   if (track.empty()) return told;
   std::array<Waypoint, kTellSteps> at;
   std::array<double, kTellSteps> along_m;

@@ -23,6 +23,9 @@ struct WayTold {
 [[nodiscard]] WayTold tell_way(const PathTrack& track, const hal::PlanarPose& T_world_base, double speed_mps,
                                double first_turn_s);
 
+/// Of a robot that stays where it is.
+[[nodiscard]] WayTold tell_place(const hal::PlanarPose& T_world_base);
+
 inline constexpr double kTellOff_m = 0.06;
 inline constexpr double kTellFar_m = 12.0;
 
