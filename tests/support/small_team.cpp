@@ -90,8 +90,8 @@ void SmallTeam::listen(Member& member) {
     nav::TeamSight& sight = member.sight;
     const nav::Teammate& mate = member.mail.front().mate;
     const auto end = sight.mates.begin() + static_cast<std::ptrdiff_t>(sight.count);
-    const auto known = std::find_if(sight.mates.begin(), end,
-                                    [&](const nav::Teammate& other) { return other.robot == mate.robot; });
+    const auto known =
+        std::find_if(sight.mates.begin(), end, [&](const nav::Teammate& other) { return other.robot == mate.robot; });
     if (known == end) ++sight.count;
     *known = mate;
     member.mail.pop_front();
