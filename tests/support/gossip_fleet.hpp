@@ -50,6 +50,7 @@ class GossipFleet {
   void lose_disk(std::uint32_t i);
   /// Who hears whom: groups that do not hear each other. All the same: everybody.
   void set_group(std::uint32_t i, int group) { groups_[i] = group; }
+  [[nodiscard]] int group(std::uint32_t i) const { return groups_[i]; }
   void join_all() { std::fill(groups_.begin(), groups_.end(), 0); }
 
   [[nodiscard]] bool is_alive(std::uint32_t i) const { return robots_[i] != nullptr; }
