@@ -222,6 +222,9 @@ int parse_and_run(int argc, char** argv) {
       ->check(CLI::Range(0.0, 100000.0));
   sim_command->add_option("--radio-rate", sim.radio_Bps, "Bytes per second that each robot may send")
       ->check(CLI::Range(2000.0, 1e9));
+  sim_command->add_option("--partition", sim.cuts,
+                          "FROM-TO:1,2|3,4: from second FROM to TO robots hear their own group alone");
+  sim_command->add_option("--kill", sim.deaths, "ROBOT@SECONDS: it dies then, and stands where it stood");
   sim_command->add_option("--camera", sim.camera, "The robots' cameras as WIDTHxHEIGHT@HZ, such as 160x120@10");
   sim_command->add_option("--drift", sim.drift, "How wrong odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));

@@ -66,6 +66,8 @@ struct SimOptions {
   double loss = 0.0;                  ///< share of datagrams between robots that the radio loses
   double radio_range_m = 0.0;         ///< how far robots hear each other; 0: everywhere
   double radio_Bps = 250'000.0;       ///< what each may send
+  std::vector<std::string> cuts;      ///< "FROM-TO:1,2|3": groups of robots that do not hear each other
+  std::vector<std::string> deaths;    ///< "ROBOT@SECONDS"
   std::string camera;                 ///< "WxH@HZ" of the robots' cameras; empty: the board's
   double drift = 0.0;                 ///< how wrong odometry is; 1 is a typical base
   std::string drift_like = "kobuki";  ///< of robots: "kobuki" or "rough"

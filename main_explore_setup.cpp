@@ -44,6 +44,8 @@ std::string contradiction(const SimOptions& options) {
   const MappingOptions& mapping = options.mapping;
   if (options.robots > 1) {
     if (const std::string problem = team_contradiction(options); !problem.empty()) return problem;
+  } else if (!options.cuts.empty() || !options.deaths.empty()) {
+    return "--partition and --kill are of teams; give --robots 2 or more";
   } else if (options.loss > 0.0 || options.radio_range_m > 0.0) {
     return "--loss and --radio-range are of the radio between robots; give --robots 2 or more";
   }

@@ -42,6 +42,9 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   if (!staging.control.empty() || !staging.at.empty() || !staging.fail.empty() || staging.battery_min > 0.0) {
     return bad_usage("--control, --at, --fail and --battery are of robots: add --robots 1");
   }
+  if (!options.cuts.empty() || !options.deaths.empty()) {
+    return bad_usage("--partition and --kill are of teams: add --robots 2 or more");
+  }
   const auto loaded_board = effective_board(options.mapping);
   if (!loaded_board) return fail(loaded_board.error().text);
   const board::Board& board = loaded_board.value();

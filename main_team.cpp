@@ -29,6 +29,9 @@
 #include "nav/robot.hpp"
 #include "net/map_sharing.hpp"
 #include "net/sim_radio.hpp"
+#include "net/team_report.hpp"
+#include "net/team_talk.hpp"
+#include "net/team_trouble.hpp"
 
 namespace g3d {
 namespace {
@@ -50,14 +53,16 @@ net::RadioModel radio_model(const SimOptions& options) {
 class Team {
  public:
   Team(hal::SimBuilding& building, const std::vector<nav::RobotConfig>& configs, const SimOptions& options,
-       const hal::Observable& observable, double rate_hz)
+       net::TeamTrouble trouble, const hal::Observable& observable, double rate_hz)
       : building_(building),
+        trouble_(std::move(trouble)),
         coverage_(observable),
         frame_(hal::make_frame(building.camera())),
         frame_period_ns_(static_cast<hal::TimeNs>(1e9 / rate_hz)),
         radio_(static_cast<std::uint32_t>(configs.size()), radio_model(options),
-               [this, &options](std::uint32_t from, std::uint32_t to, hal::TimeNs) {
-                 return options.radio_range_m <= 0.0 || distance_m(from, to) <= options.radio_range_m;
+               [this, &options](std::uint32_t from, std::uint32_t to, hal::TimeNs now_ns) {
+                 return !net::is_cut(trouble_.cuts, from, to, now_ns) &&
+                        (options.radio_range_m <= 0.0 || distance_m(from, to) <= options.radio_range_m);
                }) {
     for (std::uint32_t i = 0; i < configs.size(); ++i) {
       members_.push_back(std::make_unique<Member>(*this, i, configs[i], clock_, options));
@@ -83,7 +88,8 @@ class Team {
         : team(of),
           number(its_number),
           robot(config, clock),
-          sharing(sharing_options(options, number), robot.mapper().map(), *this) {
+          sharing(sharing_options(options, number), robot.mapper().map(), *this),
+          talk({}, sharing.gossip(), sharing.store(), 0) {
       robot.share(&sharing.view());
       // All maps are in the world's frame: where each begins is known.
       sharing.publish_pose({}, 0);
@@ -95,6 +101,19 @@ class Team {
       sharing.gossip.bandwidth_Bps = options.radio_Bps;
       return sharing;
     }
+    /// What it tells of itself beside what its navigator says.
+    [[nodiscard]] net::StateWord state() const {
+      net::StateWord word;
+      word.mission = robot.navigator().mission().state();
+      word.battery_percent =
+          static_cast<std::uint8_t>(std::lround(100.0 * std::clamp(robot.base().battery_charge, 0.0, 1.0)));
+      word.radius_m = static_cast<float>(hal::kobuki::kBodyRadius_m);
+      word.map_incarnation = sharing.gossip().options().self.incarnation;
+      return word;
+    }
+    [[nodiscard]] bool is_alive() const { return died_ns == 0; }
+    /// Nothing more is to be expected of it.
+    [[nodiscard]] bool is_through() const { return !is_alive() || robot.navigator().mission().is_over(); }
     bool send(net::Address to, mapper::ByteSpan message) override {
       const std::uint32_t station =
           to == net::kEverybody ? net::SimRadio::kEveryStation : static_cast<std::uint32_t>(to - 1);
@@ -105,11 +124,13 @@ class Team {
     std::uint32_t number;
     nav::Robot robot;
     net::MapSharing sharing;
+    net::TeamTalk talk;
     PlaceError place_error;
     std::vector<hal::StampedPose> way;
     std::uint64_t frames = 0;
     hal::TimeNs next_frame_ns = 0;
     hal::TimeNs home_ns = 0;
+    hal::TimeNs died_ns = 0;  ///< 0: it lives
     double fraction = 0.0;
   };
   [[nodiscard]] std::size_t size() const { return members_.size(); }
@@ -119,9 +140,11 @@ class Team {
   [[nodiscard]] hal::TimeNs settle_ns() const { return settle_ns_; }
   [[nodiscard]] hal::SimBuilding& building() { return building_; }
   [[nodiscard]] const net::SimRadio& radio() const { return radio_; }
+  /// That live.
   [[nodiscard]] bool all_hold_the_same() const {
-    return std::all_of(members_.begin(), members_.end(), [&](const auto& member) {
-      return member->sharing.store().digest() == members_.front()->sharing.store().digest();
+    const auto first = std::find_if(members_.begin(), members_.end(), [](const auto& m) { return m->is_alive(); });
+    return std::all_of(first, members_.end(), [&](const auto& member) {
+      return !member->is_alive() || member->sharing.store().digest() == (*first)->sharing.store().digest();
     });
   }
 
@@ -132,22 +155,32 @@ class Team {
     return std::hypot(from.x_m - to.x_m, from.y_m - to.y_m);
   }
   [[nodiscard]] bool all_are_home() const {
-    return std::all_of(members_.begin(), members_.end(),
-                       [](const auto& member) { return member->robot.navigator().mission().is_over(); });
+    return std::all_of(members_.begin(), members_.end(), [](const auto& member) { return member->is_through(); });
   }
 
   /// 20 ms: what the bases say, frames that are due, and the radio.
   void advance() {
     now_ns_ += hal::kobuki::kPacketPeriod_ns;
     building_.advance_to(now_ns_);
+    for (const net::RobotDeath& death : trouble_.deaths) {
+      Member& member = *members_[death.robot];
+      if (now_ns_ < death.at_ns || !member.is_alive()) continue;
+      member.died_ns = now_ns_;
+      radio_.forget(death.robot);
+    }
     for (const auto& member : members_) {
+      if (!member->is_alive()) continue;
       member->robot.on_line(building_.line(member->number), now_ns_);
       if (now_ns_ >= member->next_frame_ns) take_frame(*member);
     }
     radio_.deliver(now_ns_, [this](std::uint32_t from, std::uint32_t to, mapper::ByteSpan message) {
-      members_[to]->sharing.on_message({from + 1, 1, from + 1}, message, now_ns_);
+      if (members_[to]->is_alive()) members_[to]->sharing.on_message({from + 1, 1, from + 1}, message, now_ns_);
     });
     for (const auto& member : members_) {
+      if (!member->is_alive()) continue;
+      if (member->talk.on_time(member->robot.team_word(now_ns_), member->state(), now_ns_)) {
+        member->robot.on_team(member->talk.sight(), now_ns_);
+      }
       const auto slots = member->sharing.on_time(now_ns_);
       if (!slots.empty()) member->robot.on_shared(slots, now_ns_);
     }
@@ -169,6 +202,7 @@ class Team {
 
   void sample() {
     for (const auto& member : members_) {
+      if (!member->is_alive()) continue;
       member->place_error.note(building_.T_world_base(member->number), member->robot.T_world_base());
       nav::Navigator& navigator = member->robot.navigator();
       member->fraction = coverage_.fraction(navigator.ground().states());
@@ -189,6 +223,7 @@ class Team {
   }
 
   hal::SimBuilding& building_;
+  net::TeamTrouble trouble_;
   nav::CoverageMeter coverage_;
   hal::RealClock clock_;
   hal::Frame frame_;
@@ -210,20 +245,6 @@ std::unique_ptr<net::MergedMap> whole_map(Team::Member& member) {
   auto merged = std::make_unique<net::MergedMap>(options);
   merged->take_all(member.sharing.store());
   return merged;
-}
-
-void write_sharing(mapper::JsonWriter& json, const net::MapSharing& sharing, double run_s) {
-  const net::GossipCounts& counts = sharing.gossip().counts();
-  json.key("sharing").begin_object();
-  json.member("layers", sharing.store().layer_count()).member("records", sharing.store().record_count());
-  json.member("payload_bytes", sharing.store().payload_bytes());
-  json.member("published_blocks", sharing.writer().counts().published_blocks);
-  json.member("published_bytes", sharing.writer().counts().published_bytes);
-  json.member("sent_bytes", counts.all_sent_bytes());
-  json.member("sent_Bps", std::round(run_s > 0.0 ? static_cast<double>(counts.all_sent_bytes()) / run_s : 0.0));
-  json.member("received_messages", counts.received_messages).member("stored_records", counts.stored_records);
-  json.member("superseded_records", counts.superseded_records).member("refused_records", counts.refused_records);
-  json.end_object();
 }
 
 /// What is saved of a robot wherever it goes; the map, the picture and what is drawn into it are still to be said.
@@ -268,7 +289,10 @@ MemberEnd save_member(Team& team, std::size_t i, const ExploreSetup& setup, cons
     json.member("id", i + 1).member("merged_hash", merged_hash);
     nav::write_exploration(json, explored);
     member.place_error.write(json);
-    write_sharing(json, member.sharing, static_cast<double>(team.driving_ns() + team.settle_ns()) * 1e-9);
+    net::write_sharing(json, member.sharing, static_cast<double>(team.driving_ns() + team.settle_ns()) * 1e-9);
+    net::write_in_team(json, member.talk);
+    json.member("robot_contacts", team.building().record(i).contacts_robots);
+    if (!member.is_alive()) json.member("died_s", static_cast<double>(member.died_ns) * 1e-9);
   };
   end.json = to_json(report);
   save_report(files, end.json, end.outputs);
@@ -281,8 +305,10 @@ int run_team(const SimOptions& options, const std::string& command_line) {
   const MappingOptions& mapping = options.mapping;
   ExploreSetup setup;
   if (const int code = prepare_exploration(options, setup); code != kExitDone) return code;
+  auto trouble = net::parse_trouble(options.cuts, options.deaths, static_cast<std::uint32_t>(options.robots));
+  if (!trouble) return bad_usage(trouble.error().text);
   hal::SimBuilding building(std::move(setup.world), setup.building);
-  Team team(building, setup.configs, options, setup.observable, setup.rate_hz);
+  Team team(building, setup.configs, options, std::move(trouble).value(), setup.observable, setup.rate_hz);
   for (std::size_t i = 0; i < team.size(); ++i) {
     if (const auto missing = missing_card(team.member(i).robot.mapper(), mapping)) return fail(*missing);
   }
@@ -300,33 +326,40 @@ int run_team(const SimOptions& options, const std::string& command_line) {
 
   std::vector<std::string> hashes;
   std::unique_ptr<net::MergedMap> merged;
+  std::size_t first_alive = team.size();
   for (std::size_t i = 0; i < team.size(); ++i) {
     auto of_robot = whole_map(team.member(i));
     hashes.push_back(mapper::map_hash(of_robot->map()));
-    if (i == 0) merged = std::move(of_robot);
+    const bool is_first = team.member(i).is_alive() && first_alive == team.size();
+    if (is_first) first_alive = i;
+    if (i == 0 || is_first) merged = std::move(of_robot);
   }
+  if (first_alive == team.size()) first_alive = 0;
   std::vector<MemberEnd> ends;
   std::vector<hal::Error> failures;
   for (std::size_t i = 0; i < team.size(); ++i) {
     ends.push_back(save_member(team, i, setup, options, hashes[i], command_line));
     failures.insert(failures.end(), ends.back().outputs.failures.begin(), ends.back().outputs.failures.end());
   }
-  // Above them the one map of all, as the first robot holds it, with its own way.
-  Team::Member& first = team.member(0);
+  // Above them the one map of all, as the first robot that lives holds it, with its own way.
+  Team::Member& first = team.member(first_alive);
   const std::vector<hal::Pose> first_way = poses_of(first.way);
   RunFiles files = member_files(first, setup, options, mapping.out_dir);
   files.map = &merged->map();
   files.draw = [&](const std::string& path) {
-    return write_picture(explored_by(first.robot, building.record(0), team.driving_ns()), first.robot.navigator(),
-                         first_way, fmt::format("{}, {} robots", setup.place, team.size()), path);
+    return write_picture(explored_by(first.robot, building.record(first_alive), team.driving_ns()),
+                         first.robot.navigator(), first_way, fmt::format("{}, {} robots", setup.place, team.size()),
+                         path);
   };
   nav::Outputs outputs = save_run(files);
-  const bool are_equal =
-      std::all_of(hashes.begin(), hashes.end(), [&](const std::string& h) { return h == hashes[0]; });
+  bool are_equal = true;
+  for (std::size_t i = 0; i < team.size(); ++i) {
+    if (team.member(i).is_alive()) are_equal = are_equal && hashes[i] == hashes[first_alive];
+  }
   const mapper::MapCounts counts = merged->map().counts();
   mapper::JsonWriter head;
   head.begin_object().key("map").begin_object().member("resolution_m", setup.board.map_resolution_m);
-  head.member("occupied", counts.occupied).member("free", counts.free).member("hash", hashes[0]);
+  head.member("occupied", counts.occupied).member("free", counts.free).member("hash", hashes[first_alive]);
   head.member("file_bytes", outputs.map_file_bytes).end_object();
   head.key("team").begin_object().member("robots", team.size()).member("all_hold_the_same", are_equal);
   head.member("time_s", static_cast<double>(team.driving_ns()) * 1e-9);
@@ -352,7 +385,8 @@ int run_team(const SimOptions& options, const std::string& command_line) {
                  nav::exploration_text(explored_by(team.member(i).robot, building.record(i), team.driving_ns())));
     }
     fmt::print("{} robots, {:.0f} s in {:.1f} s; {}\n", team.size(), static_cast<double>(team.driving_ns()) * 1e-9,
-               run_s, are_equal ? "all hold the same map: " + hashes[0] : "they do NOT hold the same map yet");
+               run_s,
+               are_equal ? "all hold the same map: " + hashes[first_alive] : "they do NOT hold the same map yet");
     for (const mapper::WrittenFile& file : outputs.files) fmt::print("  {}  {}\n", file.path, file.what);
   }
   for (const hal::Error& failure : failures) (void)fail(failure.text);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose claims of places count. Everybody claims where it goes before it knows who else does: of claims that are too
-// near to each other one stands, the same for all who know them. What the leader ordered comes first, then the lower
-// id. Claims of robots that are not heard of any more are not noted, so what they had claimed is free. One thread;
-// allocates nothing.
+// near to each other one stands, the same for all who know them: that of the lower id. Claims of robots that are not
+// heard of any more are not noted, so what they had claimed is free. One thread; allocates nothing.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +19,6 @@ namespace g3d::net {
 struct Claim {
   RobotId robot = 0;
   hal::PlanarPose place;
-  bool is_ordered = false;
   bool stands = false;  ///< after settle()
 };
 
@@ -37,9 +35,8 @@ class ClaimBook {
   }
   /// Of claims nearer than `same_m` one stands.
   void settle(double same_m) {
-    std::sort(
-        claims_.begin(), claims_.begin() + static_cast<std::ptrdiff_t>(count_),
-        [](const Claim& a, const Claim& b) { return a.is_ordered != b.is_ordered ? a.is_ordered : a.robot < b.robot; });
+    std::sort(claims_.begin(), claims_.begin() + static_cast<std::ptrdiff_t>(count_),
+              [](const Claim& a, const Claim& b) { return a.robot < b.robot; });
     for (std::size_t i = 0; i < count_; ++i) {
       claims_[i].stands = std::none_of(
           claims_.begin(), claims_.begin() + static_cast<std::ptrdiff_t>(i),

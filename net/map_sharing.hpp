@@ -64,6 +64,8 @@ class MapSharing {
 
   [[nodiscard]] SharedView& view() { return view_; }
   [[nodiscard]] const Gossip& gossip() const { return gossip_; }
+  /// For what the robot says of itself: see TeamTalk.
+  [[nodiscard]] Gossip& gossip() { return gossip_; }
   [[nodiscard]] const LayerStore& store() const { return kept_->store; }
   /// nullptr: nothing is kept.
   [[nodiscard]] const LayerKeeper* keeper() const { return kept_->keeper.get(); }

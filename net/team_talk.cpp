@@ -64,7 +64,7 @@ bool TeamTalk::on_time(const nav::TeamWord& own, const StateWord& state, hal::Ti
     lead(own);
   }
   settle_claims(own);
-  show(own);
+  show(own, now_ns);
   writer_.say(cluster_.word(), now_ns);
   if (cluster_.is_leader()) writer_.say(orders_, now_ns);
   writer_.say(motion_of(own), cluster_.members().size(), now_ns);
@@ -146,26 +146,23 @@ std::optional<hal::PlanarPose> TeamTalk::assigned_to(const nav::TeamWord& own) c
 }
 
 void TeamTalk::settle_claims(const nav::TeamWord& own) {
-  const double same_m = options_.assignment.same_m;
   claims_.clear();
   for (const RobotId robot : cluster_.members()) {
     const RobotWords* const words = robot == self_ ? nullptr : book_.find(robot);
     if (words == nullptr && robot != self_) continue;
     const bool claims = robot == self_ ? own.has_goal : words->motion.has_goal;
     const hal::PlanarPose& place = robot == self_ ? own.goal : words->motion.goal;
-    if (!claims) continue;
-    const auto order = order_for(robot);
-    claims_.note({robot, place, order && apart_m(*order, place) < same_m});
+    if (claims) claims_.note({robot, place});
   }
-  claims_.settle(same_m);
+  claims_.settle(options_.same_claim_m);
   if (own.has_goal && !claims_.stands(self_)) ++counts_.beaten_claims;
 }
 
-void TeamTalk::show(const nav::TeamWord& own) {
+void TeamTalk::show(const nav::TeamWord& own, hal::TimeNs now_ns) {
+  // Of who is not heard of any more the body may still stand there.
   mates_.clear();
-  for (const RobotId robot : cluster_.members()) {
-    const RobotWords* const words = robot == self_ ? nullptr : book_.find(robot);
-    if (words != nullptr && words->has(StatusKind::motion)) mates_.push_back(words);
+  for (const RobotWords& words : book_.all()) {
+    if (words.has(StatusKind::motion)) mates_.push_back(&words);
   }
   if (mates_.size() > sight_.mates.size()) {
     // The nearest ones are in the way.
@@ -179,7 +176,10 @@ void TeamTalk::show(const nav::TeamWord& own) {
   }
   sight_.count = 0;
   for (const RobotWords* words : mates_) {
-    sight_.mates[sight_.count++] = mate_of(*words, claims_.stands(words->layer.robot));
+    nav::Teammate& mate = sight_.mates[sight_.count++];
+    mate = mate_of(*words, claims_.stands(words->layer.robot));
+    // Who lives and has not said otherwise still stands there.
+    if (!mate.is_moving && cluster_.has(mate.robot)) mate.told_ns = now_ns;
   }
   sight_.assigned = assigned_to(own);
 }

@@ -6,9 +6,9 @@
 //   nav::TeamSight ◀── members' places and ways, claims that stand, what the leader ordered ◀─────────┘
 //                                          a leader: GoalAssignment ──▶ orders
 //
-// Robots that are not heard of any more are in nobody's sight, and what they claimed is free. Who has no leader, or
-// none that has a place for it, acts on its own. Orders that are not of the leader that it follows now are void. One
-// thread; allocates at construction.
+// Robots that are not heard of any more claim nothing: their bodies alone are in sight, where they were last. Who has
+// no leader, or none that has a place for it, acts on its own. Orders that are not of the leader that it follows now
+// are void. One thread; allocates at construction.
 #pragma once
 
 #include <array>
@@ -31,6 +31,7 @@ struct TeamTalkOptions {
   ClusterRule cluster;
   StatusPace pace;
   AssignmentRule assignment;
+  double same_claim_m = 1.0;  ///< goals nearer to each other are one place
   hal::TimeNs look_every_ns = 100'000'000;
   hal::TimeNs assign_every_ns = 1'000'000'000;
 };
@@ -66,7 +67,7 @@ class TeamTalk {
   [[nodiscard]] std::optional<hal::PlanarPose> order_for(RobotId robot) const;
   [[nodiscard]] std::optional<hal::PlanarPose> assigned_to(const nav::TeamWord& own) const;
   void settle_claims(const nav::TeamWord& own);
-  void show(const nav::TeamWord& own);
+  void show(const nav::TeamWord& own, hal::TimeNs now_ns);
 
   TeamTalkOptions options_;
   RobotId self_;

@@ -206,6 +206,7 @@ void SimBuilding::keep_record(Robot& robot, double speed_before_mps) {
   ++record.contacts;
   record.contacts_measurable += event.measurable ? 1 : 0;
   record.contacts_moving += event.moving ? 1 : 0;
+  record.contacts_robots += sense.touched.mover >= static_cast<std::int32_t>(people_) ? 1 : 0;
   record.contacts_ran_into += event.ran_into ? 1 : 0;
   record.fastest_contact_mps = std::max(record.fastest_contact_mps, event.speed_mps);
   if (record.events.size() < RobotRecord::kMostEvents) record.events.push_back(event);

@@ -72,6 +72,7 @@ struct RobotRecord {
   std::uint64_t contacts = 0;
   std::uint64_t contacts_measurable = 0;
   std::uint64_t contacts_moving = 0;    ///< of all, those with people and robots
+  std::uint64_t contacts_robots = 0;    ///< of these, those with robots
   std::uint64_t contacts_ran_into = 0;  ///< of these, those in which this robot stood; they stay in the other counts
   double fastest_contact_mps = 0.0;
   std::uint64_t cliffs = 0;  ///< times that a cliff sensor lost the floor

@@ -18,15 +18,6 @@ TEST_CASE("of two who claim one place the lower id has it", "[net][claims]") {
   CHECK_FALSE(book.stands(4));
 }
 
-TEST_CASE("what the leader ordered comes before the lower id", "[net][claims]") {
-  ClaimBook book;
-  book.note({3, {1.2, 1.0, 2.0}, false});
-  book.note({5, {1.0, 1.0, 0.0}, true});
-  book.settle(0.75);
-  CHECK(book.stands(5));
-  CHECK_FALSE(book.stands(3));
-}
-
 TEST_CASE("a claim that does not stand is in nobody's way", "[net][claims]") {
   ClaimBook book;
   // 2 is near to 1, and 3 near to 2 alone.

@@ -183,14 +183,16 @@ TEST_CASE("who is cut off goes on alone, and comes back", "[net][team]") {
   team.run(8 * kTalkSecond_ns);
   REQUIRE(team.is_settled());
   CHECK(team.talk(3).cluster().is_leader());
-  CHECK(team.talk(3).sight().count == 0);
-  CHECK(team.talk(0).sight().count == 2);
+  CHECK(team.talk(3).sight().count == 3);
+  for (std::uint32_t i = 0; i < 3; ++i) CHECK_FALSE(team.respects(3, i + 1));
+  CHECK_FALSE(team.respects(0, 4));
+  CHECK(team.respects(0, 2));
   CHECK_FALSE(team.talk(3).sight().assigned);
   CHECK(team.word(3).has_goal);
   team.fleet().join_all();
   team.run(4 * kTalkSecond_ns);
   REQUIRE(team.is_settled());
-  CHECK(team.talk(3).sight().count == 3);
+  CHECK((team.respects(3, 1) || team.respects(3, 2)));
 }
 
 TEST_CASE("what a dead robot claimed is free within five seconds", "[net][team]") {
