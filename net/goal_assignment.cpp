@@ -32,7 +32,6 @@ double GoalAssignment::alone_s(const Bidder& bidder, int offer) const {
 double GoalAssignment::together_s(const hal::PlanarPose& a, const hal::PlanarPose& b) const {
   const double distance_m = apart_m(a, b);
   if (distance_m < rule_.apart_m) return kNever_s;
-  if (rule_.share_a_door && rule_.share_a_door(a, b)) return kNever_s;
   return rule_.crowded_s * std::max(0.0, 1.0 - distance_m / rule_.crowded_m);
 }
 

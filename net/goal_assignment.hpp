@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 
@@ -36,8 +35,6 @@ struct AssignmentRule {
   double kept_s = 5.0;      ///< that it takes to turn round
   double idle_s = 200.0;    ///< that a robot without a place loses
   std::uint32_t most_steps = 4'000;
-  /// Whether two places lie behind one narrow door, where robots would wait for each other; none: they do not.
-  std::function<bool(const hal::PlanarPose&, const hal::PlanarPose&)> share_a_door;
 };
 
 class GoalAssignment {

@@ -113,17 +113,6 @@ TEST_CASE("of places that are as far the one apart from the other robot's is tak
   CHECK(assignment.assign(bids.bidders())[1] == 1);
 }
 
-TEST_CASE("two robots do not go behind one door", "[net][assignment]") {
-  AssignmentRule rule;
-  const Bids bids{{{place(10, 0, 20)}, {place(10, 9, 10), place(-8, 0, 40)}}};
-  GoalAssignment without(rule);
-  CHECK(without.assign(bids.bidders())[1] == 0);
-  rule.share_a_door = [](const hal::PlanarPose& a, const hal::PlanarPose& b) { return a.x_m > 5 && b.x_m > 5; };
-  GoalAssignment with(rule);
-  CHECK(with.assign(bids.bidders())[0] == 0);
-  CHECK(with.assign(bids.bidders())[1] == 1);
-}
-
 TEST_CASE("who is on its way is not turned round for little", "[net][assignment]") {
   const Bids bids{{{place(10, 0, 20), place(-10, 0, 19)}}};
   AssignmentRule rule;

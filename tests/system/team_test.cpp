@@ -63,6 +63,21 @@ TEST_CASE("two robots explore a world over a radio that loses a fifth, and hold 
   CHECK(map_hash_of(folder / "again/map.g3d") == whole);
 }
 
+TEST_CASE("a robot dies while the radio is cut, and the other one finishes", "[system][team]") {
+  const TempFolder folder;
+  const std::string out = folder / "out";
+  const ProgramResult result = run_g3dmap(together(out, {"--partition", "5-20:1|2", "--kill", "1@25"}));
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(report_number(out + "/robot1/report.json", "died_s") == 25);
+  CHECK(count_of(read_plain(out + "/robot2/report.json"), "\"home\": true") == 1);
+  // It was led before, and has led itself since.
+  CHECK(report_number(out + "/robot2/report.json", "leader") == 2);
+  CHECK(report_number(out + "/robot2/report.json", "begun_terms") >= 1);
+  CHECK(report_number(out + "/robot2/report.json", "changed_leaders") >= 3);
+  CHECK(report_number(out + "/robot2/report.json", "robot_contacts") == 0);
+}
+
 TEST_CASE("what does not go with several robots is said so", "[system][team]") {
   const TempFolder folder;
   const auto refused = [&](const std::vector<std::string>& extra, const std::string& why) {
@@ -75,8 +90,14 @@ TEST_CASE("what does not go with several robots is said so", "[system][team]") {
   refused({"--rate", "1"}, "--rate");
   refused({"--at", "3:pause"}, "--at");
   refused({"--loss", "1.5"}, "--loss");
+  refused({"--kill", "3@10"}, "--kill '3@10'");
+  refused({"--partition", "9-3:1|2"}, "--partition '9-3:1|2'");
   const ProgramResult alone =
       run_g3dmap({"sim", "--world", "lab", "--robots", "1", "--loss", "0.1", "--quiet", "--out", folder / "out"});
   CHECK(alone.exit_code == 2);
   CHECK(alone.err.find("--loss") != std::string::npos);
+  const ProgramResult dead =
+      run_g3dmap({"sim", "--world", "lab", "--robots", "1", "--kill", "1@3", "--quiet", "--out", folder / "out"});
+  CHECK(dead.exit_code == 2);
+  CHECK(dead.err.find("--kill") != std::string::npos);
 }
