@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <thread>
 
 #include "hal/geometry.hpp"
 #include "main_commands.hpp"
@@ -136,7 +137,9 @@ int run_merge(const MergeOptions& options) {
   if (!options.align.empty()) {
     if (const auto placed = align_sources(options, sources); !placed) return fail(placed.error().text);
   }
-  const auto merged = mapper::merge_maps(sources);
+  mapper::MergeOptions merging;
+  merging.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const auto merged = mapper::merge_maps(sources, merging);
   if (!merged) return fail(merged.error().text);
   const auto written = nav::write_as(*merged.value(), {}, options.out);
   if (!written) return fail(written.error().text);

@@ -7,6 +7,8 @@
 #include <new>
 #include <vector>
 
+#include "mapper/block_source.hpp"
+#include "mapper/cpu/thread_pool.hpp"
 #include "mapper/map_sampler.hpp"
 #include "mapper/voxel_tally.hpp"
 
@@ -41,6 +43,55 @@ Error no_room(std::size_t blocks) {
                   blocks)};
 }
 
+constexpr std::size_t kPart_blocks = 256;
+
+/// Some blocks of the result.
+class Part {
+ public:
+  explicit Part(const std::vector<MapSampler>& samplers)
+      : samplers_(samplers), values_(kPart_blocks), is_known_(kPart_blocks) {}
+
+  /// Returns how many of them it takes.
+  std::size_t take(std::span<const BlockKey> keys) {
+    keys_ = keys.first(std::min(kPart_blocks, keys.size()));
+    return keys_.size();
+  }
+  void make(std::span<const MergeSource> sources) {
+    for (std::size_t i = 0; i < keys_.size(); ++i) is_known_[i] = make_block(keys_[i], sources, values_[i]) ? 1 : 0;
+  }
+  /// False if there is no room.
+  bool write_to(VoxelMap& map) const {
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      if (is_known_[i] != 0 && !map.write_block(keys_[i], values_[i])) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool make_block(BlockKey key, std::span<const MergeSource> sources, BlockValues& out) {
+    std::size_t knowing = 0;
+    std::size_t first = 0;
+    for (std::size_t s = 0; s < samplers_.size(); ++s) {
+      if (!samplers_[s].sample(key, knowing == 0 ? out : found_)) continue;
+      if (knowing == 1) {
+        tally_.clear();
+        tally_.add(out, sources[first].layer_id);
+      }
+      if (knowing > 0) tally_.add(found_, sources[s].layer_id);
+      if (knowing++ == 0) first = s;
+    }
+    // What one map alone knows is as it says.
+    return knowing > 1 ? tally_.take_result(out) : knowing == 1 && is_known(out);
+  }
+
+  std::vector<MapSampler> samplers_;  ///< its own: each remembers where it looked last
+  std::span<const BlockKey> keys_;
+  std::vector<BlockValues> values_;
+  std::vector<std::uint8_t> is_known_;
+  BlockTally tally_;
+  BlockValues found_;
+};
+
 }  // namespace
 
 hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> sources, const MergeOptions& options) {
@@ -49,7 +100,7 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
   std::vector<MapSampler> samplers;
   std::vector<BlockKey> keys;
   for (const MergeSource& source : sources) {
-    samplers.emplace_back(*source.map, source.T_world_map, grid.value(), options.T_world_target);
+    samplers.emplace_back(*source.map, source.T_world_map, grid.value(), options.T_world_target, Walls::closed);
     samplers.back().add_target_keys(keys);
     sort_and_drop_repeats(keys);
   }
@@ -63,15 +114,16 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
     return no_room(keys.size());
   }
 
-  BlockValues values;
-  BlockTally tallies;
-  for (const BlockKey key : keys) {
-    tallies.fill({});
-    for (std::size_t s = 0; s < samplers.size(); ++s) {
-      samplers[s].sample(key, values);
-      add_block(tallies, values, sources[s].layer_id);
+  // Parts of the result are made side by side and written one after the other.
+  cpu::ThreadPool pool(std::max(options.threads, 1));
+  std::vector<Part> parts;
+  for (int i = 0; i < pool.threads(); ++i) parts.emplace_back(samplers);
+  for (std::span<const BlockKey> left = keys; !left.empty();) {
+    for (Part& part : parts) left = left.subspan(part.take(left));
+    pool.parallel_for(static_cast<std::uint32_t>(parts.size()), [&](std::uint32_t i) { parts[i].make(sources); });
+    for (const Part& part : parts) {
+      if (!part.write_to(*merged)) return no_room(keys.size());
     }
-    if (take_result(tallies, values) && !merged->write_block(key, values)) return no_room(keys.size());
   }
   return merged;
 }

@@ -26,6 +26,7 @@ struct MergeOptions {
   std::optional<float> resolution_m;    ///< none: the finest of the sources'
   hal::Pose T_world_target;             ///< where the merged grid stands
   std::optional<MapCapacity> capacity;  ///< none: what the result can need at most
+  int threads = 1;                      ///< the result is the same with any
 };
 
 /// Sources are taken exactly where they can be, else resampled: see MapSampler.

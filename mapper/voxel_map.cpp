@@ -186,8 +186,15 @@ void VoxelMap::read_levels(const BlockHeader& header, BlockValues& out) const {
     out.fill(header.uniform_level);
     return;
   }
-  for (int place = 0; place < kBlockVoxels; ++place)
-    out[static_cast<std::size_t>(place)] = stored_value(*this, header, place);
+  const LevelPlane& levels = planes_[header.plane];
+  for (std::size_t i = 0; i < levels.size(); ++i) out[i] = levels[i];
+  for (std::size_t b = 0; b < kBricksPerBlock; ++b) {
+    if (header.bricks[b] == kNoSlot) continue;
+    const std::uint8_t* rgb = bricks_[header.bricks[b]].data();
+    for (std::size_t i = b * kBrickVoxels; i < (b + 1) * kBrickVoxels; ++i, rgb += 3) {
+      if ((out[i] & kHasColourBit) != 0) out[i] |= make_rgbo(rgb[0], rgb[1], rgb[2], 0);
+    }
+  }
 }
 
 bool VoxelMap::read_stored_block(BlockKey key, BlockValues& out) const {
@@ -207,14 +214,26 @@ bool VoxelMap::read_block(BlockKey key, BlockValues& out) const {
 }
 
 bool VoxelMap::write_block(BlockKey key, const BlockValues& values) {
+  Rgbo all = 0;
+  for (const Rgbo value : values) all |= value;
+  const bool may_be_coloured = (all & (0xFFFFFF00U | kHasColourBit)) != 0;
   BlockValues stored;
-  std::transform(values.begin(), values.end(), stored.begin(), normalised);
-  const bool uniform = (stored[0] & kHasColourBit) == 0 &&
-                       std::all_of(stored.begin(), stored.end(), [&](Rgbo v) { return v == stored[0]; });
-  std::array<bool, kBricksPerBlock> needed{};
-  for (std::size_t i = 0; i < stored.size(); ++i) {
-    if (is_coloured(stored[i])) needed[i / kBrickVoxels] = true;
+  if (may_be_coloured) {
+    std::transform(values.begin(), values.end(), stored.begin(), normalised);
+  } else {
+    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = std::min<Rgbo>(values[i] & kLevelMask, kMaxLevel);
   }
+  Rgbo differs = stored[0] & kHasColourBit;
+  std::array<bool, kBricksPerBlock> needed{};
+  for (std::size_t b = 0; b < kBricksPerBlock; ++b) {
+    Rgbo in_brick = 0;
+    for (std::size_t i = b * kBrickVoxels; i < (b + 1) * kBrickVoxels; ++i) {
+      differs |= stored[i] ^ stored[0];
+      in_brick |= stored[i];
+    }
+    needed[b] = is_coloured(in_brick);
+  }
+  const bool uniform = differs == 0;
 
   // Everything is counted before anything is taken: a full pool must leave the map as it was.
   const std::uint32_t old_slot = find(key);
@@ -242,6 +261,10 @@ bool VoxelMap::write_block(BlockKey key, const BlockValues& values) {
     for (std::size_t i = 0; i < stored.size(); ++i) levels[i] = static_cast<std::uint8_t>(stored[i]);
   }
   for (std::size_t i = 0; i < stored.size(); ++i) {
+    if (!needed[i / kBrickVoxels]) {
+      i += kBrickVoxels - 1;
+      continue;
+    }
     if (!is_coloured(stored[i])) continue;
     (void)make_brick(header, static_cast<int>(i / kBrickVoxels));
     std::uint8_t* rgb = bricks_[header.bricks[i / kBrickVoxels]].data() + 3 * (i % kBrickVoxels);

@@ -33,19 +33,45 @@ struct VoxelTally {
   }
 };
 
-using BlockTally = std::array<VoxelTally, kBlockVoxels>;
-
-inline void add_block(BlockTally& tallies, const BlockValues& values, std::uint64_t layer) {
-  for (std::size_t i = 0; i < values.size(); ++i) tallies[i].add(values[i], layer);
-}
-/// False if nothing is known.
-inline bool take_result(const BlockTally& tallies, BlockValues& values) {
-  bool known = false;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = tallies[i].result();
-    known = known || values[i] != kUnknownRgbo;
+/// The same for the 512 voxels of a block, to the bit. Sums are kept apart from colours, which few blocks have.
+class BlockTally {
+ public:
+  void clear() {
+    sums_.fill(0);
+    has_colours_ = false;
   }
-  return known;
-}
+  /// Stored codes, as VoxelTally::add().
+  void add(const BlockValues& values, std::uint64_t layer) {
+    Rgbo all = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      sums_[i] += static_cast<std::int32_t>(values[i] & kLevelMask) - kUnknownLevel;
+      all |= values[i];
+    }
+    if ((all & kHasColourBit) == 0) return;
+    if (!has_colours_) colours_.fill({});
+    has_colours_ = true;
+    for (std::size_t i = 0; i < values.size(); ++i) colours_[i].add(values[i], layer);
+  }
+  /// False if nothing is known.
+  bool take_result(BlockValues& values) const {
+    Rgbo differs = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::int32_t level = kUnknownLevel + sums_[i];
+      values[i] = static_cast<Rgbo>(std::clamp(level, 0, static_cast<std::int32_t>(kMaxLevel)));
+      differs |= values[i] ^ kUnknownRgbo;
+    }
+    if (!has_colours_) return differs != 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Rgbo colour = colours_[i].colour;
+      if (colour != 0 && values[i] > kUnknownLevel) values[i] |= (colour & 0xFFFFFF00U) | kHasColourBit;
+    }
+    return differs != 0;
+  }
+
+ private:
+  std::array<std::int32_t, kBlockVoxels> sums_{};   ///< of O_i - 16
+  std::array<VoxelTally, kBlockVoxels> colours_{};  ///< valid if there are any; their sums do not count
+  bool has_colours_ = false;
+};
 
 }  // namespace g3d::mapper

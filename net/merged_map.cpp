@@ -89,7 +89,7 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
     submap->sampler->add_target_keys(all, due_);
     ++counts_.moved_submaps;
   }
-  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, options_.T_world_merged);
+  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, options_.T_world_merged, mapper::Walls::closed);
   submap->sampler->add_target_keys(all, due_);
 }
 
@@ -120,14 +120,14 @@ void MergedMap::merge_due() {
     if (submap.sampler) submap.sampler->look_into(*submap.map);
   }
   for (const mapper::BlockKey key : due_) {
-    tally_.fill({});
+    tally_.clear();
     for (Submap& submap : submaps_) {
       if (!submap.sampler) continue;
       submap.sampler->sample(key, values_);
-      mapper::add_block(tally_, values_, submap.rank);
+      tally_.add(values_, submap.rank);
     }
     ++counts_.merged_blocks;
-    if (!mapper::take_result(tally_, values_)) {
+    if (!tally_.take_result(values_)) {
       (void)merged_.erase_block(key);
     } else if (!merged_.write_block(key, values_)) {
       ++counts_.refused_blocks;
