@@ -9,7 +9,6 @@
 
 #include "mapper/block_source.hpp"
 #include "mapper/cpu/thread_pool.hpp"
-#include "mapper/map_sampler.hpp"
 #include "mapper/voxel_tally.hpp"
 
 namespace g3d::mapper {
@@ -100,7 +99,7 @@ hal::Result<std::unique_ptr<VoxelMap>> merge_maps(std::span<const MergeSource> s
   std::vector<MapSampler> samplers;
   std::vector<BlockKey> keys;
   for (const MergeSource& source : sources) {
-    samplers.emplace_back(*source.map, source.T_world_map, grid.value(), options.T_world_target, Walls::closed);
+    samplers.emplace_back(*source.map, source.T_world_map, grid.value(), options.T_world_target, options.walls);
     samplers.back().add_target_keys(keys);
     sort_and_drop_repeats(keys);
   }

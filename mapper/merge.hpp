@@ -12,6 +12,7 @@
 
 #include "hal/geometry.hpp"
 #include "hal/result.hpp"
+#include "mapper/map_sampler.hpp"
 #include "mapper/voxel_map.hpp"
 
 namespace g3d::mapper {
@@ -27,6 +28,7 @@ struct MergeOptions {
   hal::Pose T_world_target;             ///< where the merged grid stands
   std::optional<MapCapacity> capacity;  ///< none: what the result can need at most
   int threads = 1;                      ///< the result is the same with any
+  Walls walls = Walls::closed;          ///< of maps that are turned
 };
 
 /// Sources are taken exactly where they can be, else resampled: see MapSampler.

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "net/pose_payload.hpp"
-
 namespace g3d::net {
 
 Lane lane_of(mapper::BlockKey key, const mapper::BlockValues& values, const mapper::Grid& grid,
@@ -36,10 +34,10 @@ LayerWriter::LayerWriter(const mapper::VoxelMap& map, Gossip& gossip, const Laye
   due_.reserve(2 * std::size_t{map.capacity().blocks});
 }
 
-bool LayerWriter::publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
-  const PosePayload payload = pose_payload(T_world_map);
-  if (is_published(pose_record(submap_), payload)) return true;
-  if (!gossip_.publish(pose_record(submap_), Lane::ground, payload)) return false;
+bool LayerWriter::publish_placement(const Placement& placement, hal::TimeNs now_ns) {
+  const PlacementPayload payload(placement, placement.T_world_map);
+  if (is_published(pose_record(submap_), payload.bytes())) return true;
+  if (!gossip_.publish(pose_record(submap_), Lane::ground, payload.bytes())) return false;
   gossip_.commit(now_ns);
   return true;
 }

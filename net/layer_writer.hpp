@@ -16,6 +16,7 @@
 #include "mapper/voxel_map.hpp"
 #include "net/block_wire.hpp"
 #include "net/gossip.hpp"
+#include "net/placement.hpp"
 
 namespace g3d::net {
 
@@ -45,7 +46,11 @@ class LayerWriter {
 
   void note_changed(std::span<const std::uint32_t> slots) { dirty_.note(slots); }
   /// Where the layer stands in the world. False if the store has no room.
-  bool publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns);
+  bool publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
+    return publish_placement(Placement::as_said(T_world_map, gossip_.options().self), now_ns);
+  }
+  /// The same with how that is known.
+  bool publish_placement(const Placement& placement, hal::TimeNs now_ns);
   /// One round: what has changed, until more than so many bytes are published. Returns how many bytes.
   std::size_t publish_round(std::size_t most_bytes, hal::TimeNs now_ns);
   [[nodiscard]] const WriterCounts& counts() const { return counts_; }

@@ -36,6 +36,18 @@ MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& ow
       others_(others_options(options_, own, keeper() ? keeper()->first_submap() : 0)),
       view_(own, others_.map()) {
   if (keeper() != nullptr) gossip_.set_version_limit(keeper()->version_limit());
+  if (!options_.refine) return;
+  options_.refine->grid = own.grid();
+  options_.refine->map = own.capacity();
+}
+
+void MapSharing::publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
+  T_world_map_ = T_world_map;
+  others_.place(T_world_map);
+  (void)writer_.publish_pose(T_world_map, now_ns);
+  if (options_.refine) {
+    refiner_ = std::make_unique<PoseRefiner>(*options_.refine, kept_->store, gossip_.own_layer(), T_world_map);
+  }
 }
 
 void MapSharing::drop(std::span<const RobotId> robots) {
@@ -59,6 +71,14 @@ std::span<const mapper::BlockKey> MapSharing::on_time_apart(hal::TimeNs now_ns) 
     const double round_s = static_cast<double>(options_.round_ns) * 1e-9;
     (void)writer_.publish_round(
         static_cast<std::size_t>(options_.gossip.bandwidth_Bps * options_.share_of_bandwidth * round_s), now_ns);
+  }
+  if (refiner_ != nullptr) {
+    if (const auto placed = refiner_->on_time(now_ns)) {
+      T_world_map_ = placed->T_world_map;
+      others_.place(T_world_map_);
+    }
+    // Again and again until there is room for it.
+    (void)writer_.publish_placement(refiner_->placement(), now_ns);
   }
   gossip_.on_time(now_ns);
   if (kept_->keeper) {

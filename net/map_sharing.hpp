@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "hal/messages.hpp"
@@ -21,6 +22,7 @@
 #include "net/kept_layers.hpp"
 #include "net/layer_writer.hpp"
 #include "net/merged_map.hpp"
+#include "net/pose_refiner.hpp"
 #include "net/shared_view.hpp"
 
 namespace g3d::net {
@@ -34,6 +36,8 @@ struct SharingOptions {
   hal::TimeNs round_ns = 500'000'000;        ///< own changes are published so often
   double share_of_bandwidth = 0.5;           ///< that own news may take; the rest is for what was lost, and for others'
   hal::TimeNs merge_every_ns = 200'000'000;  ///< others' changes are taken so often
+  /// Has our place in the world fitted to others' maps. Grid and room are those of our own map.
+  std::optional<RefinerOptions> refine = std::nullopt;
 };
 
 class MapSharing {
@@ -43,10 +47,10 @@ class MapSharing {
   MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link,
              std::unique_ptr<KeptLayers> kept = nullptr);
 
-  /// Where our map stands in the world.
-  void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
-    (void)writer_.publish_pose(T_world_map, now_ns);
-  }
+  /// Where our map stands in the world, as it is said. Before others are heard.
+  void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns);
+  /// The same by now, refined if that is wanted. view().map() is in our map's frame, and so is others().
+  [[nodiscard]] const hal::Pose& T_world_map() const { return T_world_map_; }
   void note_changed(std::span<const std::uint32_t> slots) { writer_.note_changed(slots); }
   void on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns) {
     gossip_.on_message(from, message, now_ns);
@@ -71,6 +75,8 @@ class MapSharing {
   [[nodiscard]] const LayerKeeper* keeper() const { return kept_->keeper.get(); }
   [[nodiscard]] const LayerWriter& writer() const { return writer_; }
   [[nodiscard]] const MergedMap& others() const { return others_; }
+  /// Nothing unless refining is wanted and our pose is published.
+  [[nodiscard]] const PoseRefiner* refiner() const { return refiner_.get(); }
 
  private:
   std::unique_ptr<KeptLayers> kept_;
@@ -79,6 +85,8 @@ class MapSharing {
   LayerWriter writer_;
   MergedMap others_;
   SharedView view_;
+  hal::Pose T_world_map_;
+  std::unique_ptr<PoseRefiner> refiner_;
   hal::TimeNs published_ns_ = 0;
   hal::TimeNs merged_ns_ = 0;
 };

@@ -23,7 +23,7 @@ MergedMap::Submap* MergedMap::submap_of(const LayerStore& store, LayerIndex laye
     return nullptr;
   }
   submaps_.push_back({store.id(layer), layer, number, 0,
-                      std::make_unique<mapper::VoxelMap>(options_.grid, options_.submap), std::nullopt});
+                      std::make_unique<mapper::VoxelMap>(options_.grid, options_.submap), hal::Pose{}, std::nullopt});
   rank_submaps();
   return &submaps_.back();
 }
@@ -84,13 +84,32 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
     ++counts_.bad_payloads;
     return;
   }
-  const std::vector<mapper::BlockKey> all = submap->map->sorted_keys();
   if (submap->sampler) {
-    submap->sampler->add_target_keys(all, due_);
+    submap->sampler->add_target_keys(submap->map->sorted_keys(), due_);
     ++counts_.moved_submaps;
   }
-  submap->sampler.emplace(options_.grid, T_world_submap, options_.grid, options_.T_world_merged, mapper::Walls::closed);
-  submap->sampler->add_target_keys(all, due_);
+  submap->T_world_submap = T_world_submap;
+  look_from_there(*submap);
+}
+
+void MergedMap::look_from_there(Submap& submap) {
+  submap.sampler.emplace(options_.grid, submap.T_world_submap, options_.grid, T_world_merged_, mapper::Walls::closed);
+  submap.sampler->add_target_keys(submap.map->sorted_keys(), due_);
+}
+
+void MergedMap::place(const hal::Pose& T_world_merged) {
+  T_world_merged_ = T_world_merged;
+  is_placed_anew_ = true;
+}
+
+void MergedMap::begin_update() {
+  due_.clear();
+  if (!is_placed_anew_) return;
+  is_placed_anew_ = false;
+  due_ = merged_.sorted_keys();
+  for (Submap& submap : submaps_) {
+    if (submap.sampler) look_from_there(submap);
+  }
 }
 
 void MergedMap::take(const LayerStore& store, LayerIndex layer, RecordKey key) {
@@ -101,13 +120,13 @@ void MergedMap::take(const LayerStore& store, LayerIndex layer, RecordKey key) {
 }
 
 void MergedMap::update(LayerStore& store) {
-  due_.clear();
+  begin_update();
   store.take_changes([&](LayerIndex layer, RecordKey key) { take(store, layer, key); });
   merge_due();
 }
 
 void MergedMap::take_all(const LayerStore& store) {
-  due_.clear();
+  begin_update();
   for (LayerIndex layer = 0; layer < store.layer_count(); ++layer) {
     store.for_each(layer, [&](const StoredRecord& record) { take(store, layer, record.key); });
   }
@@ -122,8 +141,7 @@ void MergedMap::merge_due() {
   for (const mapper::BlockKey key : due_) {
     tally_.clear();
     for (Submap& submap : submaps_) {
-      if (!submap.sampler) continue;
-      submap.sampler->sample(key, values_);
+      if (!submap.sampler || !submap.sampler->sample(key, values_)) continue;
       tally_.add(values_, submap.rank);
     }
     ++counts_.merged_blocks;

@@ -48,6 +48,9 @@ class MergedMap {
  public:
   explicit MergedMap(const MergedOptions& options);
 
+  /// Where the result's grid stands from now on; all of it is made anew by the next update. At the world's origin at
+  /// first.
+  void place(const hal::Pose& T_world_merged);
   /// Takes what has changed in the store since the last time.
   void update(LayerStore& store);
   /// The same from all that is in the store, for a map that begins now.
@@ -66,6 +69,7 @@ class MergedMap {
     std::uint64_t rank =
         0;  ///< place in the order of layers and numbers: who gives the colour of two equally sure ones
     std::unique_ptr<mapper::VoxelMap> map;
+    hal::Pose T_world_submap;
     std::optional<mapper::MapSampler> sampler;  ///< none: its pose is not known
   };
   /// nullptr if there are too many.
@@ -76,9 +80,15 @@ class MergedMap {
   void drop(LayerIndex layer);
   void rank_submaps();
   [[nodiscard]] mapper::ByteSpan payload_of(const LayerStore& store, const StoredRecord& record);
+  void begin_update();
   void merge_due();
 
+  /// Where the submap stands to the result, from what is known by now.
+  void look_from_there(Submap& submap);
+
   MergedOptions options_;
+  hal::Pose T_world_merged_;
+  bool is_placed_anew_ = false;
   mapper::VoxelMap merged_;
   std::vector<Submap> submaps_;
   std::vector<mapper::BlockKey> due_;  ///< blocks of the result

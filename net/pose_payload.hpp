@@ -21,9 +21,11 @@ using PosePayload = std::array<std::uint8_t, kPosePayload_bytes>;
   std::memcpy(bytes.data() + 3 * sizeof(double), pose.rotation_xyzw.data(), 4 * sizeof(double));
   return bytes;
 }
+/// More than a pose may follow: see placement.hpp.
+inline constexpr std::size_t kPoseTail_bytes = 13;
 /// False if the bytes are no pose; `pose` is then as before.
 [[nodiscard]] inline bool read_pose_payload(mapper::ByteSpan bytes, hal::Pose& pose) {
-  if (bytes.size() != kPosePayload_bytes) return false;
+  if (bytes.size() != kPosePayload_bytes && bytes.size() != kPosePayload_bytes + kPoseTail_bytes) return false;
   hal::Pose read;
   std::memcpy(read.translation_m.data(), bytes.data(), 3 * sizeof(double));
   std::memcpy(read.rotation_xyzw.data(), bytes.data() + 3 * sizeof(double), 4 * sizeof(double));

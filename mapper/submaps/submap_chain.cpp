@@ -92,7 +92,9 @@ hal::Pose SubmapChain::join(std::size_t index) {
   joined.surfaces = pieces_of(surfaces);
   if (first.space != nullptr && second.space != nullptr) {
     const std::array<MergeSource, 2> sources{{{first.space.get(), {}, 0}, {second.space.get(), T_one_next, 1}}};
-    if (auto merged = merge_maps(sources); merged.ok()) joined.space = std::move(merged).value();
+    MergeOptions options;
+    options.walls = Walls::as_centres_say;  // as the sketches have always been compared
+    if (auto merged = merge_maps(sources, options); merged.ok()) joined.space = std::move(merged).value();
   }
   for (const Submap::Station& station : next.stations) {
     one.stations.push_back({hal::compose(T_one_next, station.T_stored_station), station.sketch});

@@ -6,8 +6,10 @@
 #include <memory>
 #include <utility>
 
+#include "mapper/align/pose_step.hpp"
 #include "mapper/map_hash.hpp"
 #include "net/sim_radio.hpp"
+#include "tests/support/map_agreement.hpp"
 #include "tests/support/sample_maps.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -18,8 +20,10 @@ namespace {
 /// Two robots, each with a map of its own, over a radio.
 struct TwoSharers {
   struct Robot final : net::Link {
-    Robot(TwoSharers& of, std::uint32_t its_number, const mapper::VoxelMap& map) : both(of), number(its_number) {
+    Robot(TwoSharers& of, std::uint32_t its_number, const mapper::VoxelMap& map, bool refines = false)
+        : both(of), number(its_number) {
       net::SharingOptions options;
+      if (refines) options.refine.emplace().is_lockstep = true;
       options.gossip.self = {its_number + 1, 1};
       options.store = {4, 1U << 13, std::size_t{4} << 20};
       sharing = std::make_unique<net::MapSharing>(options, map, *this);
@@ -109,4 +113,28 @@ TEST_CASE("a robot that comes back sees what it and others had seen, though nobo
     // Switched off, or only fallen down.
     if (start == 0) sharing.close();
   }
+}
+
+TEST_CASE("a robot that was told wrongly where it is sees what the others have seen where it is", "[net][refine]") {
+  const bool refines = GENERATE(true, false);
+  const auto room = tests::furnished_room(0.1F);
+  TwoSharers both(0.1);
+  // Both maps stand in the world's frame in truth; the second robot believes otherwise.
+  const hal::Pose said = hal::from_xyz_rpy(0.2, -0.15, 0, 0, 0, 0.08);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    both.robots[i] = std::make_unique<TwoSharers::Robot>(both, i, *room, refines);
+    both.robots[i]->sharing->publish_pose(i == 1 ? said : hal::Pose{}, both.now_ns);
+    for (std::uint32_t slot = 0; slot < room->slot_end(); ++slot) {
+      both.robots[i]->sharing->note_changed(std::array{slot});
+    }
+  }
+  both.run(1500);
+  const net::MapSharing& second = *both.robots[1]->sharing;
+  const double agrees = tests::agreement(both.robots[1]->sharing->view().map(), *room).beside();
+  const double error_m = mapper::align::shift_of(mapper::align::difference(hal::Pose{}, second.T_world_map()));
+  INFO("refined: " << refines << ", agreement " << agrees << ", off " << error_m << " m");
+  CHECK((agrees > 0.98) == refines);
+  CHECK((error_m < 0.03) == refines);
+  CHECK(both.robots[0]->sharing->T_world_map().translation_m == hal::Pose{}.translation_m);
+  CHECK(both.robots[0]->sharing->store().digest() == second.store().digest());
 }
