@@ -16,7 +16,7 @@ constexpr int kLook_units = 250;
 // Looking closer: from every third frontier cell, fewer if there are very many, in so many directions.
 constexpr std::size_t kLeastStride = 3;
 constexpr std::size_t kMostFrontierCells = 4096;
-constexpr int kDirections = 120;
+constexpr int kViewDirections = 120;
 constexpr int kStepsPerUnit = 40;
 constexpr int kNoPlace = TightPlaces::kTightCost;  ///< where the body just fits it drives through, and does not turn
 
@@ -118,7 +118,7 @@ void Viewpoints::begin_refresh(const FrontierMap& frontiers, const ViewGain& cam
 
 bool Viewpoints::go_on(const CellGrid<CellState>& ground, const CellGrid<std::uint8_t>& cost, const RoadGrid& roads,
                        const TravelField& from_robot, const ViewGain& camera, WorkBudget& budget) {
-  while (is_closer_ && marked_directions_ < kDirections) {
+  while (is_closer_ && marked_directions_ < kViewDirections) {
     if (budget.is_spent()) return false;
     mark_seen_by_frontiers(ground, camera.model(), budget);
   }
@@ -218,7 +218,7 @@ void Viewpoints::mark_seen_by_frontiers(const CellGrid<CellState>& ground, const
                                         WorkBudget& budget) {
   const int near_cells = static_cast<int>(camera.near_m / ground.resolution_m);
   const int far_cells = static_cast<int>(camera.far_m / ground.resolution_m);
-  const double angle_rad = 2.0 * std::numbers::pi * marked_directions_++ / kDirections;
+  const double angle_rad = 2.0 * std::numbers::pi * marked_directions_++ / kViewDirections;
   const double dx = std::cos(angle_rad);
   const double dy = std::sin(angle_rad);
   std::int64_t steps = 0;

@@ -10,7 +10,8 @@
 
 namespace g3d::net {
 
-MergedMap::MergedMap(const MergedOptions& options) : options_(options), merged_(options.grid, options.merged) {
+MergedMap::MergedMap(const MergedOptions& options)
+    : options_(options), T_world_merged_(options.T_world_merged), merged_(options.grid, options.merged) {
   submaps_.reserve(options.most_submaps);
 }
 
@@ -133,16 +134,37 @@ void MergedMap::take_all(const LayerStore& store) {
   merge_due();
 }
 
+bool MergedMap::sample_layer(std::size_t first, std::size_t end, mapper::BlockKey key) {
+  bool is_known = false;
+  for (std::size_t i = first; i < end; ++i) {
+    if (!is_known) {
+      is_known = submaps_[order_[i]].sampler->sample(key, values_);
+    } else if (submaps_[order_[i]].sampler->sample(key, older_)) {
+      for (std::size_t k = 0; k < values_.size(); ++k) {
+        if (mapper::state_of(values_[k]) == mapper::State::unknown) values_[k] = older_[k];
+      }
+    }
+  }
+  return is_known;
+}
+
 void MergedMap::merge_due() {
   mapper::sort_and_drop_repeats(due_);
-  for (Submap& submap : submaps_) {
-    if (submap.sampler) submap.sampler->look_into(*submap.map);
+  order_.clear();
+  for (std::size_t i = 0; i < submaps_.size(); ++i) {
+    if (!submaps_[i].sampler) continue;
+    submaps_[i].sampler->look_into(*submaps_[i].map);
+    order_.push_back(i);
   }
+  std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(submaps_[a].layer, submaps_[b].number) < std::tuple(submaps_[b].layer, submaps_[a].number);
+  });
   for (const mapper::BlockKey key : due_) {
     tally_.clear();
-    for (Submap& submap : submaps_) {
-      if (!submap.sampler || !submap.sampler->sample(key, values_)) continue;
-      tally_.add(values_, submap.rank);
+    for (std::size_t first = 0, end = 0; first < order_.size(); first = end) {
+      const Submap& newest = submaps_[order_[first]];
+      while (end < order_.size() && submaps_[order_[end]].layer == newest.layer) ++end;
+      if (sample_layer(first, end, key)) tally_.add(values_, newest.rank);
     }
     ++counts_.merged_blocks;
     if (!tally_.take_result(values_)) {

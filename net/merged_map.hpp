@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one map of all layers: every submap of every layer, placed in the world as its writer says, resampled into one
-// grid and summed voxel by voxel (mapper/voxel_tally.hpp). A function of the records alone: whoever holds the same
+// grid. In a layer the newest submap that knows a voxel says what it is, as in its writer's own map; layers are summed
+// voxel by voxel (mapper/voxel_tally.hpp). A function of the records alone: whoever holds the same
 // records has the same map, in whatever order they came. Kept up to date block by block; what an update costs depends
 // on what has changed.
 //
@@ -32,7 +33,7 @@ struct MergedOptions {
   std::optional<LayerId> left_out =
       std::nullopt;                 ///< a layer that does not count: a robot's own, which it knows better
   std::uint32_t left_out_from = 0;  ///< of that layer, this submap and those after it; earlier starts wrote the others
-  hal::Pose T_world_merged;  ///< where the result's grid lies in the world
+  hal::Pose T_world_merged{};       ///< where the result's grid lies in the world
 };
 
 struct MergedCounts {
@@ -80,6 +81,8 @@ class MergedMap {
   void drop(LayerIndex layer);
   void rank_submaps();
   [[nodiscard]] mapper::ByteSpan payload_of(const LayerStore& store, const StoredRecord& record);
+  /// What a layer says of a block; its submaps are [first, end) of order_. False: nothing.
+  bool sample_layer(std::size_t first, std::size_t end, mapper::BlockKey key);
   void begin_update();
   void merge_due();
 
@@ -91,10 +94,12 @@ class MergedMap {
   bool is_placed_anew_ = false;
   mapper::VoxelMap merged_;
   std::vector<Submap> submaps_;
+  std::vector<std::size_t> order_;     ///< those that are placed: layer by layer, the newest first
   std::vector<mapper::BlockKey> due_;  ///< blocks of the result
   BlockUnpacker unpacker_;
   std::vector<std::uint8_t> payload_;
   mapper::BlockValues values_{};
+  mapper::BlockValues older_{};
   mapper::BlockTally tally_{};
   MergedCounts counts_;
 };

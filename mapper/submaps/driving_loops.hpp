@@ -72,6 +72,8 @@ class DrivingLoops {
   /// After finish().
   [[nodiscard]] CloserReport report() const;
   [[nodiscard]] const SubmapChain& chain() const { return chain_; }
+  /// Nobody works on the chain beside: it may be read now.
+  [[nodiscard]] bool is_chain_at_rest() const { return !is_moving() && !errand_.is_busy(); }
 
  private:
   enum class Phase : std::uint8_t {

@@ -9,7 +9,7 @@ namespace g3d::tests {
 namespace {
 
 constexpr double kTeamStep_s = 0.02;
-constexpr hal::TimeNs kTeamStep_ns = 20'000'000;
+constexpr hal::TimeNs kSmallTeamStep_ns = 20'000'000;
 constexpr double kSurvey_m = 0.7;
 constexpr double kSurveyTurn_rad = 0.785398;
 
@@ -122,7 +122,7 @@ void SmallTeam::step() {
       least_gap_m_ = std::min(least_gap_m_, apart_m - 2.0 * kKinematicBody_m);
     }
   }
-  now_ += kTeamStep_ns;
+  now_ += kSmallTeamStep_ns;
 }
 
 bool SmallTeam::run_until_each_reached(int places, double limit_s) {
