@@ -194,35 +194,33 @@ TEST_CASE("a million records of which some differ after a restart: symbols withi
   options.store = {4, kRecords + 20'000, std::size_t{48} << 20};
   options.radio.loss = 0.1;
   GossipFleet fleet(options);
-  fleet.set_group(1, 1);
   const auto publish = [&](int first, int count) {
     for (int i = first; i < first + count; ++i) {
       const auto lane = static_cast<net::Lane>(i % net::kLanes);
       const mapper::Bytes payload(20, static_cast<std::uint8_t>(i));
-      REQUIRE(fleet.gossip(0).publish(net::block_record(0, static_cast<std::uint64_t>(i), net::Part::whole), lane,
-                                      payload));
+      const net::RecordKey key = net::block_record(0, static_cast<std::uint64_t>(i), net::Part::whole);
+      REQUIRE(fleet.gossip(0).publish(key, lane, payload));
     }
     fleet.gossip(0).commit(fleet.now_ns());
   };
+  fleet.kill(1);
   publish(0, kRecords);
-  const net::LayerIndex theirs = fleet.store(0).find({1, 1});
-  const net::LayerIndex layer = fleet.store(1).find_or_add({1, 1});
-  mapper::Bytes payload;
-  fleet.store(0).for_each(theirs, [&](const net::StoredRecord& record) {
-    payload.resize(record.bytes);
-    fleet.store(0).read(record, payload);
-    (void)fleet.store(1).put(layer, record.key, record.version, record.lane, payload);
-  });
   int next = kRecords;
   for (const int differing : {1, 8, 63, 300, 1000, 4000}) {
-    fleet.set_group(1, 1);
-    fleet.run(6 * kSecond_ns);
+    fleet.start(1);
+    const net::LayerIndex theirs = fleet.store(0).find({1, 1});
+    const net::LayerIndex layer = fleet.store(1).find_or_add({1, 1});
+    mapper::Bytes payload;
+    fleet.store(0).for_each(theirs, [&](const net::StoredRecord& record) {
+      payload.resize(record.bytes);
+      fleet.store(0).read(record, payload);
+      (void)fleet.store(1).put(layer, record.key, record.version, record.lane, payload);
+    });
+    fleet.store(1).set_unclaimed(layer, true);
     publish(next, differing);
     next += differing;
-    fleet.store(1).set_unclaimed(layer, true);
     const net::ReconcilerCounts before = fleet.gossip(1).reconciler_counts();
     const std::uint64_t sent_before = fleet.sent_bytes();
-    fleet.join_all();
     const auto begun = std::chrono::steady_clock::now();
     const hal::TimeNs begun_ns = fleet.now_ns();
     REQUIRE(fleet.run_until_equal(120 * kSecond_ns));
@@ -236,6 +234,7 @@ TEST_CASE("a million records of which some differ after a restart: symbols withi
         static_cast<double>(fleet.now_ns() - begun_ns) * 1e-9, took.count());
     CHECK(differences == differing);
     if (differing > 256) CHECK(symbols <= 1.45 * differences);
+    fleet.kill(1);
   }
 }
 
