@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "mapper/map_hash.hpp"
@@ -156,4 +157,60 @@ TEST_CASE("a layer that is refused leaves the merged map, and what others saw th
   CHECK(mapper::map_hash(merged.map()) != with_all);
   const std::vector<mapper::MergeSource> sources{{maps[0].get(), {}, 0}, {maps[2].get(), {}, 1}};
   CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(*mapper::merge_maps(sources).value()));
+}
+
+TEST_CASE("a refused robot's layers are gone at once, never come back, and give their room back bit by bit", "[net]") {
+  tests::Random random(3);
+  net::LayerStore with({5, 2000, 100000}), without({5, 2000, 100000});
+  const auto fill = [&](net::LayerStore& store, std::uint64_t robot) {
+    for (net::Version version = 1; version <= 300; ++version) {
+      const net::LayerIndex layer = store.find_or_add({robot, 1 + random.below(3)});
+      if (layer == net::kNoLayer) continue;
+      const auto lane = static_cast<net::Lane>(random.below(3));
+      const net::RecordKey key = net::block_record(0, random.below(200), static_cast<net::Part>(random.below(3)));
+      (void)store.put(layer, key, version, lane, mapper::Bytes(random.below(60)));
+      (void)store.add_had(layer, lane, {0, version});
+    }
+  };
+  random = tests::Random(3);
+  fill(with, 7);
+  random = tests::Random(3);
+  fill(without, 7);
+  fill(with, 8);  // two layers more find room
+  std::size_t told = 0;
+  with.take_changes([&](net::LayerIndex, net::RecordKey) { ++told; });
+  REQUIRE(told > 200);
+  const std::uint32_t before = with.record_count();
+  REQUIRE(with.refuse_robot(8));
+  CHECK(with.refuse_robot(8));
+  CHECK(with.digest() == without.digest());
+  CHECK(with.find({8, 1}) == net::kNoLayer);
+  CHECK(with.find_or_add({8, 9}) == net::kNoLayer);
+  std::set<net::LayerIndex> refused;
+  with.take_changes([&](net::LayerIndex layer, net::RecordKey key) {
+    REQUIRE(with.is_refused(layer));
+    CHECK_FALSE(with.find_record(layer, key));
+    refused.insert(layer);
+  });
+  REQUIRE(refused.size() == 2);
+  for (const net::LayerIndex layer : refused) {
+    CHECK(with.put(layer, net::pose_record(1), 9999, net::Lane::rest, mapper::Bytes{1}) ==
+          net::LayerStore::Put::refused);
+    CHECK_FALSE(with.add_had(layer, net::Lane::rest, {0, 9999}));
+    CHECK(with.highest(layer) == 0);
+    int visited = 0;
+    with.for_each(layer, [&](const net::StoredRecord&) { ++visited; });
+    CHECK(visited == 0);
+  }
+  int calls = 0;
+  std::uint32_t left = with.record_count();
+  REQUIRE(left == before);
+  for (; with.drop_some(10); ++calls) {
+    REQUIRE(left - with.record_count() == 10);
+    left = with.record_count();
+  }
+  CHECK(calls >= 5);
+  CHECK(with.record_count() == without.record_count());
+  CHECK(with.payload_bytes() == without.payload_bytes());
+  CHECK_FALSE(with.drop_some(1));
 }
