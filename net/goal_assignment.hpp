@@ -2,7 +2,7 @@
 // Who goes where, as the leader of a cluster has it: each robot has told where it could go to next, how long it would
 // drive and how much it would see, and gets one of these places or none. No two get places that are near each other, as
 // one would see what the other came for and both would come through one door; places are the better, the further apart.
-// Who is on its way is not sent elsewhere for little. The best of all distributions by exhaustive search while there
+// Who was sent to one is not sent elsewhere for little. The best of all distributions by exhaustive search while there
 // are few robots, else the best that was found in so many steps. A function of its arguments. One thread; allocates
 // nothing.
 #pragma once
@@ -22,7 +22,7 @@ namespace g3d::net {
 struct Bidder {
   RobotId robot = 0;
   std::span<const nav::Offer> offers;    ///< at most nav::kMostOffers; the one it would take by itself first
-  std::optional<hal::PlanarPose> keeps;  ///< where it is on its way to
+  std::optional<hal::PlanarPose> keeps;  ///< where it was sent to before
 };
 
 struct AssignmentRule {

@@ -29,7 +29,9 @@ void write_in_team(mapper::JsonWriter& json, const TeamTalk& talk) {
   json.member("cluster", cluster.members().size());
   json.member("leader", cluster.office().leader).member("term", cluster.office().term);
   json.member("begun_terms", cluster.counts().begun_terms).member("changed_leaders", cluster.counts().changed_leaders);
-  json.member("assignments", talk.counts().assignments).member("beaten_claims", talk.counts().beaten_claims);
+  json.member("assignments", talk.counts().assignments)
+      .member("orders", talk.counts().orders)
+      .member("beaten_claims", talk.counts().beaten_claims);
   json.member("words", words).member("words_bytes", talk.said().bytes);
   json.member("words_read", talk.book().counts().words).member("words_unread", unread);
   json.end_object();

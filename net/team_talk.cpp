@@ -90,17 +90,11 @@ void TeamTalk::lead(const nav::TeamWord& own) {
   const OffersWord own_offers = offers_of(own);
   std::array<Bidder, kMostOrders> bidders;
   std::size_t count = 0;
-  const auto bid = [&](RobotId robot, const OffersWord& offers, bool has_goal, const hal::PlanarPose& goal) {
-    if (offers.count == 0 || count == bidders.size()) return;
-    bidders[count++] = {
-        robot, {offers.offers.data(), offers.count}, has_goal ? std::optional<hal::PlanarPose>(goal) : std::nullopt};
-  };
   for (const RobotId robot : cluster_.members()) {
-    if (robot == self_) {
-      bid(robot, own_offers, own.has_goal, own.goal);
-    } else if (const RobotWords* words = book_.find(robot); words != nullptr) {
-      bid(robot, words->offers, words->motion.has_goal, words->motion.goal);
-    }
+    const RobotWords* const words = robot == self_ ? nullptr : book_.find(robot);
+    if ((words == nullptr && robot != self_) || count == bidders.size()) continue;
+    const OffersWord& offers = robot == self_ ? own_offers : words->offers;
+    if (offers.count > 0) bidders[count++] = {robot, {offers.offers.data(), offers.count}, order_for(robot)};
   }
   orders_.term = cluster_.office().term;
   orders_.count = 0;
@@ -109,7 +103,9 @@ void TeamTalk::lead(const nav::TeamWord& own) {
   ++counts_.assignments;
   const std::span<const int> offers = assignment_.assign({bidders.data(), count});
   for (std::size_t i = 0; i < count; ++i) {
-    if (offers[i] == GoalAssignment::kNoOffer) continue;
+    // Who gets what it would take by itself needs no order, and may think better of it as it sees more.
+    if (offers[i] <= 0) continue;
+    ++counts_.orders;
     orders_.orders[orders_.count++] = {bidders[i].robot, bidders[i].offers[static_cast<std::size_t>(offers[i])].goal};
   }
 }

@@ -38,6 +38,7 @@ struct TeamTalkOptions {
 
 struct TeamTalkCounts {
   std::uint64_t assignments = 0;     ///< that we made as a leader
+  std::uint64_t orders = 0;          ///< in these: places that were not the robot's own first choice
   std::uint64_t beaten_claims = 0;   ///< looks at which our own claim did not stand
   std::uint64_t left_out_mates = 0;  ///< more than fit into one sight
 };
