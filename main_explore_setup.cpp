@@ -31,7 +31,6 @@ void on_stop_signal(int) {
 
 /// What is said of one robot alone and would be ignored where there are several; empty: nothing.
 std::string team_contradiction(const SimOptions& options) {
-  if (options.mapping.loops) return "--loops goes with one robot only so far; leave it out";
   if (options.mapping.rate > 0.0) return "--rate goes with one robot only so far; leave it out";
   if (!options.staging.at.empty() || !options.staging.control.empty()) {
     return "--at and --control speak to one robot; leave them out where there are several";

@@ -37,6 +37,8 @@ namespace g3d {
 namespace {
 
 constexpr hal::TimeNs kTeamSecond_ns = 1'000'000'000;
+/// Submaps of a robot, at most; see JoinRule, and one that is ahead of them.
+constexpr std::size_t kTeamSubmaps = 80;
 /// After the last robot is home, for what is still on its way.
 constexpr double kTeamSettle_s = 60.0;
 
@@ -76,8 +78,9 @@ class Team {
       if (show_progress && now_ns_ % kTeamSecond_ns == 0) show(start_ns);
     }
     driving_ns_ = now_ns_;
+    for (const auto& member : members_) member->robot.finish_map();
     const auto settled_ns = now_ns_ + static_cast<hal::TimeNs>(kTeamSettle_s * 1e9);
-    while (!is_stop_requested() && now_ns_ < settled_ns && !all_hold_the_same()) advance();
+    while (!is_stop_requested() && now_ns_ < settled_ns && !(all_have_told() && all_hold_the_same())) advance();
     settle_ns_ = now_ns_ - driving_ns_;
     if (show_progress) fmt::print(stderr, "\n");
   }
@@ -88,17 +91,24 @@ class Team {
         : team(of),
           number(its_number),
           robot(config, clock),
-          sharing(sharing_options(options, number), robot.mapper().map(), *this),
+          sharing(sharing_options(config, options, number), robot.mapper().map(), *this),
           talk({}, sharing.gossip(), sharing.store(), 0) {
       robot.share(&sharing.view());
       // All maps are in the world's frame: where each begins is known.
       sharing.publish_pose({}, 0);
     }
-    static net::SharingOptions sharing_options(const SimOptions& options, std::uint32_t number) {
+    static net::SharingOptions sharing_options(const nav::RobotConfig& config, const SimOptions& options,
+                                               std::uint32_t number) {
       net::SharingOptions sharing;
       sharing.gossip.self = {number + 1, 1};
       sharing.gossip.seed = options.mapping.seed;
       sharing.gossip.bandwidth_Bps = options.radio_Bps;
+      if (config.loops) {
+        sharing.is_chain = true;
+        sharing.most_submaps = kTeamSubmaps * static_cast<std::size_t>(options.robots);
+      }
+      // Each base drifts in its own way: where it has been is what its map says, fitted to the others'.
+      if (options.mapping.odometry == "aligned") sharing.refine.emplace().is_lockstep = true;
       return sharing;
     }
     /// What it tells of itself beside what its navigator says.
@@ -158,6 +168,14 @@ class Team {
     return std::all_of(members_.begin(), members_.end(), [](const auto& member) { return member->is_through(); });
   }
 
+  /// What was put right at the end is published.
+  [[nodiscard]] bool all_have_told() const {
+    return std::all_of(members_.begin(), members_.end(), [&](const auto& member) {
+      return member->robot.loops() == nullptr ||
+             (now_ns_ > driving_ns_ + 2 * kTeamSecond_ns && member->sharing.chain_writer().is_up_to_date());
+    });
+  }
+
   /// 20 ms: what the bases say, frames that are due, and the radio.
   void advance() {
     now_ns_ += hal::kobuki::kPacketPeriod_ns;
@@ -180,6 +198,9 @@ class Team {
       if (!member->is_alive()) continue;
       if (member->talk.on_time(member->robot.team_word(now_ns_), member->state(), now_ns_)) {
         member->robot.on_team(member->talk.sight(), now_ns_);
+      }
+      if (const auto* loops = member->robot.loops(); loops != nullptr && loops->is_chain_at_rest()) {
+        member->sharing.publish_chain(loops->chain(), now_ns_);
       }
       const auto slots = member->sharing.on_time(now_ns_);
       if (!slots.empty()) member->robot.on_shared(slots, now_ns_);
@@ -242,6 +263,7 @@ std::unique_ptr<net::MergedMap> whole_map(Team::Member& member) {
   options.grid = own.grid();
   options.merged = own.capacity();
   options.submap = own.capacity();
+  options.most_submaps = member.sharing.store().layer_count() * kTeamSubmaps;
   auto merged = std::make_unique<net::MergedMap>(options);
   merged->take_all(member.sharing.store());
   return merged;

@@ -99,7 +99,12 @@ bool Robot::moves_map(hal::TimeNs stamp_ns, hal::TimeNs now) {
   loops_->wait_if_due(stamp_ns);
   const hal::TimeNs start_ns = clock_.now();
   if (loops_->is_moving()) {
-    navigator_.on_map_moving(mapper_.map(), loops_->move_on());
+    const auto slots = loops_->move_on();
+    if (shared_ == nullptr) {
+      navigator_.on_map_moving(mapper_.map(), slots);
+    } else {
+      navigator_.on_map_moving(shared_->map(), shared_->on_own(mapper_.map(), slots));
+    }
     if (!loops_->is_moving()) {
       placing_.move(loops_->move());
       navigator_.on_map_moved(loops_->move(), now);

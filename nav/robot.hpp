@@ -55,12 +55,15 @@ class Robot {
   /// Every frame of the camera, whatever it is worth.
   void on_frame(const hal::Frame& frame, hal::TimeNs now);
 
-  /// From now on it drives by this, which outlives it; nullptr: by its own map. Before the first frame, and not with
-  /// loops.
+  /// From now on it drives by this, which outlives it; nullptr: by its own map. Before the first frame.
   void share(SharedSight* shared) { shared_ = shared; }
   /// Blocks of what is shared have changed, though not by our own frames.
   void on_shared(std::span<const std::uint32_t> slots, hal::TimeNs now) {
-    navigator_.on_map(shared_->map(), slots, {}, now);
+    if (loops_ != nullptr && loops_->is_moving()) {
+      navigator_.on_map_moving(shared_->map(), slots);
+    } else {
+      navigator_.on_map(shared_->map(), slots, {}, now);
+    }
   }
 
   /// See Navigator::on_team() and team_word().

@@ -51,7 +51,7 @@ void ChainWriter::look_at(const SubmapChain& chain) {
   for (const Submap& submap : submaps) {
     auto told = std::find_if(told_.begin(), told_.end(), [&](const Told& t) { return t.first_ns == submap.first_ns; });
     if (told == told_.end()) {
-      if (next_number_ == kMaxSubmaps) {
+      if (next_number_ == kMaxSubmaps - 1) {
         ++counts_.refused_submaps;
         continue;
       }

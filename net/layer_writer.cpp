@@ -30,6 +30,7 @@ LayerWriter::LayerWriter(const mapper::VoxelMap& map, Gossip& gossip, const Laye
       band_(band),
       submap_(submap),
       dirty_(map.capacity().blocks),
+      withdrawn_(map.capacity().blocks),
       told_(map.capacity().blocks) {
   due_.reserve(2 * std::size_t{map.capacity().blocks});
 }
@@ -49,6 +50,9 @@ bool LayerWriter::is_published(RecordKey key, mapper::ByteSpan payload) const {
 
 void LayerWriter::collect() {
   due_.clear();
+  withdrawn_.take_each([&](std::uint32_t slot) {
+    if (told_[slot] != 0) due_.push_back({Lane::ground, told_[slot] - 1, slot, true, true});
+  });
   dirty_.take_each([&](std::uint32_t slot) {
     mapper::BlockKey key = 0;
     const bool is_there = map_.copy_block(slot, key, values_);
@@ -94,10 +98,10 @@ std::size_t LayerWriter::publish_round(std::size_t most_bytes, hal::TimeNs now_n
   for (const Due& due : due_) {
     if (bytes > most_bytes) {
       ++counts_.put_off_blocks;
-      dirty_.note(due.slot);
+      note_again(due);
     } else if (!publish(due, bytes)) {
       ++counts_.refused_blocks;
-      dirty_.note(due.slot);
+      note_again(due);
     }
   }
   counts_.published_bytes += bytes;

@@ -45,6 +45,14 @@ class LayerWriter {
               std::uint32_t submap = 0);
 
   void note_changed(std::span<const std::uint32_t> slots) { dirty_.note(slots); }
+  /// Blocks that were published and that `stays(slot)` is not true of become unknown in this submap, as others hold
+  /// them: with the next rounds, unless they change before.
+  template <typename Stays>
+  void withdraw_unless(Stays&& stays) {
+    for (std::uint32_t slot = 0; slot < map_.slot_end(); ++slot) {
+      if (told_[slot] != 0 && !stays(slot)) withdrawn_.note(slot);
+    }
+  }
   /// Where the layer stands in the world. False if the store has no room.
   bool publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
     return publish_placement(Placement::as_said(T_world_map, gossip_.options().self), now_ns);
@@ -61,6 +69,7 @@ class LayerWriter {
     mapper::BlockKey key;
     std::uint32_t slot;
     bool is_gone;  ///< nothing of that key is in the slot any more
+    bool is_withdrawn = false;
     [[nodiscard]] bool operator<(const Due& other) const {
       if (is_gone != other.is_gone) return is_gone;
       if (lane != other.lane) return lane < other.lane;
@@ -68,6 +77,7 @@ class LayerWriter {
     }
   };
   void collect();
+  void note_again(const Due& due) { (due.is_withdrawn ? withdrawn_ : dirty_).note(due.slot); }
   [[nodiscard]] bool is_published(RecordKey key, mapper::ByteSpan payload) const;
   /// False if the store has no room. Adds to `bytes`.
   bool publish(const Due& due, std::size_t& bytes);
@@ -78,6 +88,7 @@ class LayerWriter {
   GroundBand band_;
   std::uint32_t submap_;
   mapper::DirtySlots dirty_;
+  mapper::DirtySlots withdrawn_;
   mapper::ReservedArray<mapper::BlockKey> told_;  ///< by slot: key + 1 of what was published of it; 0: nothing
   std::vector<Due> due_;
   BlockPacker packer_;

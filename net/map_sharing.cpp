@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/map_sharing.hpp"
 
+#include <cassert>
+
 #include <utility>
 
 namespace g3d::net {
 namespace {
+
+/// The submap of what is newer than any of the chain.
+constexpr std::uint32_t kAheadOfChain = kMaxSubmaps - 1;
 
 SharingOptions kept_options(SharingOptions options, const LayerKeeper* keeper) {
   if (keeper == nullptr) return options;
@@ -32,9 +37,11 @@ MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& ow
     : kept_(kept ? std::move(kept) : std::make_unique<KeptLayers>(options.store)),
       options_(kept_options(options, keeper())),
       gossip_(options_.gossip, kept_->store, link),
-      writer_(own, gossip_, kept_->store, options.band, keeper() ? keeper()->first_submap() : 0),
-      others_(others_options(options_, own, keeper() ? keeper()->first_submap() : 0)),
+      writer_(own, gossip_, kept_->store, options.band, options.is_chain ? kAheadOfChain : first_submap()),
+      chain_writer_(gossip_, kept_->store, options.band),
+      others_(others_options(options_, own, first_submap())),
       view_(own, others_.map()) {
+  assert(!(options_.is_chain && keeper() != nullptr) && "a chain numbers its submaps from 0");
   if (keeper() != nullptr) gossip_.set_version_limit(keeper()->version_limit());
   if (!options_.refine) return;
   options_.refine->grid = own.grid();
@@ -42,7 +49,7 @@ MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& ow
 }
 
 void MapSharing::publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
-  T_world_map_ = T_world_map;
+  placement_ = Placement::as_said(T_world_map, options_.gossip.self);
   others_.place(T_world_map);
   (void)writer_.publish_pose(T_world_map, now_ns);
   if (options_.refine) {
@@ -60,6 +67,16 @@ void MapSharing::close() {
   if (kept_->keeper) kept_->keeper->close(gossip_.version());
 }
 
+void MapSharing::publish_chain(const mapper::submaps::SubmapChain& chain, hal::TimeNs now_ns) {
+  if (now_ns - chain_published_ns_ < options_.round_ns) return;
+  chain_published_ns_ = now_ns;
+  (void)chain_writer_.publish_round(chain, placement_, bytes_per_round(), now_ns);
+  const std::uint64_t begun = chain_writer_.counts().published_submaps;
+  if (begun == begun_submaps_ || !chain_writer_.is_up_to_date()) return;
+  begun_submaps_ = begun;
+  writer_.withdraw_unless([&](std::uint32_t slot) { return chain.recorder().is_noted(slot); });
+}
+
 std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
   const std::span<const mapper::BlockKey> keys = on_time_apart(now_ns);
   return keys.empty() ? std::span<const std::uint32_t>{} : view_.on_others(keys);
@@ -68,17 +85,15 @@ std::span<const std::uint32_t> MapSharing::on_time(hal::TimeNs now_ns) {
 std::span<const mapper::BlockKey> MapSharing::on_time_apart(hal::TimeNs now_ns) {
   if (now_ns - published_ns_ >= options_.round_ns) {
     published_ns_ = now_ns;
-    const double round_s = static_cast<double>(options_.round_ns) * 1e-9;
-    (void)writer_.publish_round(
-        static_cast<std::size_t>(options_.gossip.bandwidth_Bps * options_.share_of_bandwidth * round_s), now_ns);
+    (void)writer_.publish_round(bytes_per_round(), now_ns);
   }
   if (refiner_ != nullptr) {
     if (const auto placed = refiner_->on_time(now_ns)) {
-      T_world_map_ = placed->T_world_map;
-      others_.place(T_world_map_);
+      placement_ = *placed;
+      others_.place(placement_.T_world_map);
     }
     // Again and again until there is room for it.
-    (void)writer_.publish_placement(refiner_->placement(), now_ns);
+    (void)writer_.publish_placement(placement_, now_ns);
   }
   gossip_.on_time(now_ns);
   if (kept_->keeper) {

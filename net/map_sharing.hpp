@@ -18,6 +18,7 @@
 
 #include "hal/messages.hpp"
 #include "mapper/voxel_map.hpp"
+#include "net/chain_writer.hpp"
 #include "net/gossip.hpp"
 #include "net/kept_layers.hpp"
 #include "net/layer_writer.hpp"
@@ -36,6 +37,8 @@ struct SharingOptions {
   hal::TimeNs round_ns = 500'000'000;        ///< own changes are published so often
   double share_of_bandwidth = 0.5;           ///< that own news may take; the rest is for what was lost, and for others'
   hal::TimeNs merge_every_ns = 200'000'000;  ///< others' changes are taken so often
+  /// Our layer is a chain of submaps (publish_chain()); what has been seen since the newest goes ahead of it.
+  bool is_chain = false;
   /// Has our place in the world fitted to others' maps. Grid and room are those of our own map.
   std::optional<RefinerOptions> refine = std::nullopt;
 };
@@ -50,8 +53,11 @@ class MapSharing {
   /// Where our map stands in the world, as it is said. Before others are heard.
   void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns);
   /// The same by now, refined if that is wanted. view().map() is in our map's frame, and so is others().
-  [[nodiscard]] const hal::Pose& T_world_map() const { return T_world_map_; }
+  [[nodiscard]] const hal::Pose& T_world_map() const { return placement_.T_world_map; }
   void note_changed(std::span<const std::uint32_t> slots) { writer_.note_changed(slots); }
+  /// Where our layer is a chain: what it is by now, while nobody works on it. Not what a correction has changed in the
+  /// map: that the chain tells. note_changed() is for frames alone.
+  void publish_chain(const mapper::submaps::SubmapChain& chain, hal::TimeNs now_ns);
   void on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns) {
     gossip_.on_message(from, message, now_ns);
   }
@@ -74,20 +80,31 @@ class MapSharing {
   /// nullptr: nothing is kept.
   [[nodiscard]] const LayerKeeper* keeper() const { return kept_->keeper.get(); }
   [[nodiscard]] const LayerWriter& writer() const { return writer_; }
+  [[nodiscard]] const ChainWriter& chain_writer() const { return chain_writer_; }
   [[nodiscard]] const MergedMap& others() const { return others_; }
   /// Nothing unless refining is wanted and our pose is published.
   [[nodiscard]] const PoseRefiner* refiner() const { return refiner_.get(); }
 
  private:
+  [[nodiscard]] std::size_t bytes_per_round() const {
+    const double round_s = static_cast<double>(options_.round_ns) * 1e-9;
+    return static_cast<std::size_t>(options_.gossip.bandwidth_Bps * options_.share_of_bandwidth * round_s);
+  }
+  /// Earlier starts have written those before.
+  [[nodiscard]] std::uint32_t first_submap() const { return kept_->keeper ? kept_->keeper->first_submap() : 0; }
+
   std::unique_ptr<KeptLayers> kept_;
   SharingOptions options_;
   Gossip gossip_;
-  LayerWriter writer_;
+  LayerWriter writer_;  ///< of our whole map, or of what is newer than the chain
+  ChainWriter chain_writer_;
   MergedMap others_;
   SharedView view_;
-  hal::Pose T_world_map_;
   std::unique_ptr<PoseRefiner> refiner_;
+  Placement placement_;
   hal::TimeNs published_ns_ = 0;
+  hal::TimeNs chain_published_ns_ = 0;
+  std::uint64_t begun_submaps_ = 0;  ///< of the chain when what went ahead of it was looked through last
   hal::TimeNs merged_ns_ = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "mapper/pool.hpp"
 #include "mapper/voxel_map.hpp"
 #include "nav/shared_sight.hpp"
 
@@ -15,6 +16,7 @@ class SharedView final : public nav::SharedSight {
   /// `own` and `others` outlive this; both have `own`'s grid.
   SharedView(const mapper::VoxelMap& own, const mapper::VoxelMap& others);
 
+  /// Slots whose block has gone, or is another one by now, are understood, too: as when a loop moves the map.
   std::span<const std::uint32_t> on_own(const mapper::VoxelMap& own, std::span<const std::uint32_t> slots) override;
   /// The same for blocks of the others' map, by their keys.
   std::span<const std::uint32_t> on_others(std::span<const mapper::BlockKey> keys);
@@ -23,11 +25,17 @@ class SharedView final : public nav::SharedSight {
   [[nodiscard]] std::uint64_t refused_blocks() const { return refused_blocks_; }
 
  private:
+  /// What is to leave the view waits in gone_.
   void bring_up_to_date(mapper::BlockKey key);
+  /// After all that has come: no slot is given away and taken again in one call, so that whoever follows the view by
+  /// its slots misses nothing.
+  void erase_gone();
 
   const mapper::VoxelMap& own_;
   const mapper::VoxelMap& others_;
   mapper::VoxelMap view_;
+  mapper::ReservedArray<mapper::BlockKey> own_keys_;  ///< by own slot: key + 1 of the block that was in it, 0: none
+  std::vector<mapper::BlockKey> gone_;
   std::vector<std::uint32_t> changed_;
   mapper::BlockValues own_values_{};
   mapper::BlockValues others_values_{};

@@ -65,6 +65,7 @@ class SubmapChain {
   /// The two parts of that: the recorder is the view's writer's, and a stretch that it has taken becomes a submap by
   /// add(), which clears it.
   [[nodiscard]] StretchRecorder& recorder() { return recorder_; }
+  [[nodiscard]] const StretchRecorder& recorder() const { return recorder_; }
   void add(Stretch& stretch, std::unique_ptr<VoxelMap> space = nullptr);
 
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }

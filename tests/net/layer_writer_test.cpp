@@ -99,3 +99,28 @@ TEST_CASE("what finds no room in the store is tried again", "[net]") {
   (void)writer.publish_round(1000000, fleet.now_ns());
   CHECK(writer.counts().refused_blocks == 2 * refused);
 }
+
+TEST_CASE("what is withdrawn becomes unknown for others, and comes back when it changes", "[net]") {
+  const auto room = tests::furnished_room(0.1F);
+  GossipFleet fleet(lone_writer());
+  net::LayerWriter writer(*room, fleet.gossip(0), fleet.store(0));
+  note_whole_map(writer, *room);
+  (void)writer.publish_round(1000000, fleet.now_ns());
+  const std::size_t all = fleet.store(0).payload_bytes();
+  const std::uint32_t kept = 3;
+  writer.withdraw_unless([&](std::uint32_t slot) { return slot == kept; });
+  // However few at a time.
+  for (int round = 0; round < 400; ++round) (void)writer.publish_round(10, fleet.now_ns());
+  CHECK(fleet.store(0).payload_bytes() < all / 3);
+  const auto size_of = [&](std::uint32_t slot) {
+    const auto record = fleet.store(0).find_record(fleet.gossip(0).own_layer(),
+                                                   net::block_record(0, room->header(slot).key, net::Part::whole));
+    return record ? record->bytes : 0;
+  };
+  CHECK(size_of(kept) > size_of(4));
+  writer.note_changed(std::array{4U});
+  (void)writer.publish_round(1000000, fleet.now_ns());
+  CHECK(size_of(4) > 8);
+  writer.withdraw_unless([&](std::uint32_t slot) { return slot == kept || slot == 4; });
+  CHECK(writer.publish_round(1000000, fleet.now_ns()) == 0);
+}

@@ -5,12 +5,14 @@
 #include <catch2/catch.hpp>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "mapper/align/pose_step.hpp"
 #include "mapper/map_hash.hpp"
 #include "net/sim_radio.hpp"
 #include "tests/support/map_agreement.hpp"
 #include "tests/support/sample_maps.hpp"
+#include "tests/support/submap_walk.hpp"
 #include "tests/support/temp_folder.hpp"
 
 using namespace g3d;
@@ -20,9 +22,12 @@ namespace {
 /// Two robots, each with a map of its own, over a radio.
 struct TwoSharers {
   struct Robot final : net::Link {
-    Robot(TwoSharers& of, std::uint32_t its_number, const mapper::VoxelMap& map, bool refines = false)
+    Robot(TwoSharers& of, std::uint32_t its_number, const mapper::VoxelMap& map, bool refines = false,
+          bool is_chain = false)
         : both(of), number(its_number) {
       net::SharingOptions options;
+      options.is_chain = is_chain;
+      options.gossip.bandwidth_Bps = is_chain ? 1e6 : options.gossip.bandwidth_Bps;
       if (refines) options.refine.emplace().is_lockstep = true;
       options.gossip.self = {its_number + 1, 1};
       options.store = {4, 1U << 13, std::size_t{4} << 20};
@@ -137,4 +142,48 @@ TEST_CASE("a robot that was told wrongly where it is sees what the others have s
   CHECK((error_m < 0.03) == refines);
   CHECK(both.robots[0]->sharing->T_world_map().translation_m == hal::Pose{}.translation_m);
   CHECK(both.robots[0]->sharing->store().digest() == second.store().digest());
+}
+
+TEST_CASE("a chain is shared while it grows, what is newer goes ahead, and a correction moves it", "[net][chain]") {
+  tests::SubmapWalk walk({.most_way_m = 2.0});
+  mapper::VoxelMap empty(walk.mapper.map().grid(), tests::kPlentyOfBlocks);
+  TwoSharers both(0.1);
+  both.robots[0] = std::make_unique<TwoSharers::Robot>(both, 0, walk.mapper.map(), false, true);
+  both.robots[1] = std::make_unique<TwoSharers::Robot>(both, 1, empty);
+  net::MapSharing& first = *both.robots[0]->sharing;
+  const net::MapSharing& second = *both.robots[1]->sharing;
+  first.publish_pose({}, both.now_ns);
+  const auto settle = [&] {
+    for (int i = 0; i < 8; ++i) {
+      first.publish_chain(walk.chain, both.now_ns);
+      both.run(60);
+    }
+    REQUIRE(first.chain_writer().is_up_to_date());
+    REQUIRE(first.store().digest() == second.store().digest());
+  };
+  for (int i = 0; i < 25; ++i) {
+    walk.go(1);
+    first.note_changed(walk.mapper.changed_slots());
+    first.publish_chain(walk.chain, both.now_ns);
+    both.run(10);
+  }
+  REQUIRE(walk.chain.submaps().size() >= 2);
+  REQUIRE_FALSE(walk.chain.recorder().is_empty());
+  settle();
+  // In the middle of a stretch, too.
+  CHECK(mapper::map_hash(second.others().map()) == mapper::map_hash(walk.mapper.map()));
+  REQUIRE(walk.chain.finish_submap());
+  settle();
+  CHECK(mapper::map_hash(second.others().map()) == mapper::map_hash(walk.mapper.map()));
+
+  std::vector<hal::Pose> poses(walk.chain.submaps().size());
+  poses[1].translation_m = {0.1, -0.05, 0.0};
+  walk.chain.place(poses);
+  walk.chain.rebuild();
+  const std::uint64_t chain_bytes = first.chain_writer().counts().published_bytes;
+  const std::uint64_t blocks = first.writer().counts().published_blocks;
+  settle();
+  CHECK(first.chain_writer().counts().published_bytes == chain_bytes + net::kPosePayload_bytes);
+  CHECK(first.writer().counts().published_blocks == blocks);
+  CHECK(mapper::map_hash(second.others().map()) == mapper::map_hash(walk.mapper.map()));
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <memory>
+#include <vector>
 
 #include "mapper/block_merge.hpp"
 #include "mapper/block_source.hpp"
@@ -61,4 +62,25 @@ TEST_CASE("what nobody knows any more leaves the shared view", "[net]") {
   CHECK(changed[0] == slot);
   CHECK(view.map().find(alone) == mapper::kNoSlot);
   CHECK(view.on_others(std::array{alone}).empty());
+}
+
+TEST_CASE("an own block that moves from slot to slot leaves no copy of itself in the shared view", "[net]") {
+  mapper::VoxelMap own(mapper::Grid{0.1F}, {64, 64, 64});
+  const mapper::VoxelMap nobody(mapper::Grid{0.1F}, {64, 64, 64});
+  net::SharedView view(own, nobody);
+  mapper::BlockValues values;
+  values.fill(30);
+  const mapper::BlockKey before = mapper::block_of({32768, 32768, 32768});
+  const mapper::BlockKey after = mapper::block_of({32776, 32768, 32768});
+  REQUIRE(own.write_block(before, values));
+  const std::uint32_t slot = own.find(before);
+  (void)view.on_own(own, std::array{slot});
+  REQUIRE(own.erase_block(before));
+  REQUIRE(own.write_block(after, values));
+  REQUIRE(own.find(after) == slot);  // as when a loop moves the map
+  CHECK(view.on_own(own, std::array{slot}).size() == 2);
+  CHECK(view.map().sorted_keys() == std::vector{after});
+  REQUIRE(own.erase_block(after));
+  CHECK(view.on_own(own, std::array{slot}).size() == 1);
+  CHECK(view.map().sorted_keys().empty());
 }
