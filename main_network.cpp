@@ -136,7 +136,7 @@ void Fleet::settle(double most_s, const std::function<bool()>& is_given_up) {
 std::optional<std::string> Fleet::answer(std::string_view request) {
   if (request != "peers" && request != "peers text") return std::nullopt;
   const auto status = thread_->ask();
-  if (!status) return "{\"error\": \"it is too busy to answer within half a second; ask again\"}\n";
+  if (!status) return "{\"error\": \"it is too busy to answer within two seconds; ask again\"}\n";
   return request == "peers" ? net::to_json(*status) : net::to_text(*status);
 }
 

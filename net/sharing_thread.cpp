@@ -13,7 +13,7 @@ namespace g3d::net {
 namespace {
 
 constexpr hal::TimeNs kSharingTell_ns = 500'000'000;
-constexpr auto kSharingPatience = std::chrono::milliseconds(500);
+constexpr auto kSharingPatience = std::chrono::milliseconds(2000);
 constexpr auto kSharingLook = std::chrono::milliseconds(2);
 
 GateSettings gate_settings(const SharingThreadOptions& options) {

@@ -88,7 +88,7 @@ class SharingThread {
   [[nodiscard]] LiveView& view() { return view_; }
   /// Any thread, twice a second a new one.
   [[nodiscard]] const hal::Latest<SharingBrief>& brief() const { return brief_; }
-  /// One thread: how it is at the moment. Nothing if the thread does not answer within half a second.
+  /// One thread: how it is at the moment. Nothing if the thread does not answer within two seconds.
   [[nodiscard]] std::optional<FleetStatus> ask();
   /// Blocks may be copied under their sequence locks while it runs.
   [[nodiscard]] const mapper::VoxelMap& others() const { return sharing_.others().map(); }
