@@ -112,6 +112,12 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   if (const auto problem = contradiction(board, options)) return bad_usage(*problem);
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
+  std::optional<FleetPlan> fleet;
+  if (has_fleet(board)) {
+    auto plan = plan_fleet(board, true);
+    if (!plan) return fail_as(plan.error());
+    fleet = std::move(plan).value();
+  }
   std::optional<Place> place;
   if (board.base_line == "sim") {
     auto chosen = choose_place(options);
@@ -128,12 +134,6 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
 
   const auto staging = read_staging(options.staging);
   if (!staging) return bad_usage(staging.error().text);
-  std::optional<FleetPlan> fleet;
-  if (has_fleet(board)) {
-    auto plan = plan_fleet(board, true);
-    if (!plan) return fail_as(plan.error());
-    fleet = std::move(plan).value();
-  }
   LiveRun live(board, options, config, staging.value());
   if (const auto begun = live.begin(std::move(place), camera.value().rate_hz, std::move(fleet)); !begun) {
     return fail_as(begun.error());

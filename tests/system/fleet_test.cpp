@@ -62,7 +62,7 @@ struct FleetProcesses {
                                                const std::string& key = "fleet.key") const {
     std::vector<std::string> all = arguments("robot", number, key);
     all.insert(all.end(), {"--world", "two_rooms", "--camera", "80x60@5", "--start", std::to_string(number),
-                           "--duration", duration_s});
+                           "--duration", duration_s, "--settle", "30"});
     return all;
   }
   [[nodiscard]] std::vector<std::string> station() const { return arguments("station", 0, "fleet.key"); }
@@ -89,18 +89,22 @@ TEST_CASE("robots and a base station in processes of their own end with one map,
           "[system][fleet]") {
   const FleetProcesses fleet;
   Program station(g3dmap_path(), fleet.station());
-  Program one(g3dmap_path(), fleet.robot(1, "4"));
-  Program two(g3dmap_path(), fleet.robot(2, "4"));
-  Program stranger(g3dmap_path(), fleet.robot(3, "3", "other.key"));
+  Program one(g3dmap_path(), fleet.robot(1, "100"));
+  Program two(g3dmap_path(), fleet.robot(2, "100"));
+  Program stranger(g3dmap_path(), fleet.robot(3, "100", "other.key"));
   CHECK(fleet.says(0, id_of(1)));
   CHECK(fleet.says(0, id_of(2)));
   CHECK(fleet.says(1, id_of(2)));
+  CHECK(fleet.says(3, "\"datagrams\""));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
   const ProgramResult peers = run_g3dmap({"peers", "--at", fleet.out(0)});
   CHECK(peers.exit_code == 0);
   CHECK(contains(peers.out, "robot 00000000000000a0, key of epoch 1"));
   CHECK(contains(peers.out, "robot 00000000000000a1  alive  127.0.0.1:" + fleet.port(1)));
-  CHECK(contains(peers.out, "refused"));
+  CHECK(contains(peers.out, "forged"));
 
+  // At the same time, so that each goes on until both have told the other all.
+  for (const Program* robot : {&one, &two, &stranger}) robot->send(SIGINT);
   for (Program* robot : {&one, &two, &stranger}) {
     const ProgramResult result = robot->finish(std::chrono::seconds(60));
     INFO(result.err);
@@ -228,6 +232,7 @@ TEST_CASE("bad usage of a fleet is exit code 2", "[system][fleet][usage]") {
   };
   const auto refuses = [&](const std::string& board, const std::vector<std::string>& said) {
     std::vector<std::string> all{"run", "--board", fleet.folder / (board + ".toml"), "--duration", "0.1", "--quiet"};
+    if (board == "robot") all.insert(all.end(), {"--world", "two_rooms"});
     all.insert(all.end(), said.begin(), said.end());
     const ProgramResult result = run_g3dmap(all);
     INFO(board << ": " << (said.empty() ? "nothing" : said[said.size() > 2 ? 2 : 0]) << ": " << result.err);
