@@ -8,7 +8,6 @@ namespace g3d::net {
 namespace {
 
 constexpr hal::TimeNs kGossipChoice_ns = 50'000'000;
-constexpr hal::TimeNs kGossipRetry_ns = 250'000'000;
 /// Digests differ all the time while something is on its way; only what lasts is a puzzle.
 constexpr hal::TimeNs kGossipPuzzled_ns = 1'000'000'000;
 /// But in a fleet that never comes to rest somebody is asked even so.
@@ -16,6 +15,8 @@ constexpr hal::TimeNs kGossipAsk_ns = 5'000'000'000;
 constexpr std::size_t kGossipLayersPerBeacon = 4;
 /// Records of a refused robot that go each time; they take a millisecond.
 constexpr std::uint32_t kGossipDropped = 1024;
+/// No datagram is under way for so long.
+constexpr hal::TimeNs kGossipNumbers_ns = 10'000'000'000;
 /// What may be sent at once after a pause.
 constexpr double kGossipBurst_s = 0.02;
 
@@ -37,6 +38,8 @@ Gossip::Gossip(const GossipOptions& options, LayerStore& store, Link& link)
       beacon_ns_(static_cast<hal::TimeNs>(mixed(options.seed, options.self.robot) %
                                           static_cast<std::uint64_t>(options.beacon_period_ns)) -
                  options.beacon_period_ns),
+      answer_after_ns_(options.answer_after_ns),
+      news_(options.most_peers),
       told_(store.most_layers()),
       reconciler_(with_seed(options.reconciler, options.seed), store, [this](RobotId to, const WireWriter& message) {
         if (const Peer* peer = members_.find(to); peer != nullptr)
@@ -95,7 +98,10 @@ void Gossip::on_message(const Sender& from, mapper::ByteSpan message, hal::TimeN
       return on_vector(*peer, message, now_ns);
     case MessageKind::want:
       return on_want(*peer, message, now_ns);
+    case MessageKind::wants:
+      return on_wants(*peer, message, now_ns);
     case MessageKind::data:
+    case MessageKind::news:
       return on_data(*peer, message, now_ns);
     case MessageKind::reconcile:
       return note_fault(MessageFault::unknown_kind);
@@ -132,11 +138,18 @@ void Gossip::on_vector(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns)
 }
 
 void Gossip::on_want(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns) {
-  std::uint32_t last_seen = 0;
-  if (const MessageFault fault = read_want(message, last_seen, positions_); fault != MessageFault::none) {
+  SeenNumbers seen;
+  if (const MessageFault fault = read_want(message, seen, wanted_); fault != MessageFault::none) {
     return note_fault(fault);
   }
-  peer.out.on_want(store_, last_seen, positions_.all(), now_ns);
+  peer.out.on_want(store_, seen, news_.next_sequence(), wanted_.all(), now_ns);
+}
+
+void Gossip::on_wants(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns) {
+  std::optional<SeenNumbers> seen;
+  const MessageFault fault = read_wants(message, alias_of(options_.self.robot), seen, wanted_);
+  if (fault != MessageFault::none) return note_fault(fault);
+  if (seen) peer.out.on_want(store_, *seen, news_.next_sequence(), wanted_.all(), now_ns);
 }
 
 /// Puts the records of a message whose ranges can be kept into the store.
@@ -144,7 +157,7 @@ class Gossip::Applying final : public DataVisitor {
  public:
   Applying(Gossip& gossip, Peer& peer, hal::TimeNs now_ns) : gossip_(gossip), peer_(peer), now_ns_(now_ns) {}
   void on_record(const DataRecord& record) override {
-    const LayerIndex layer = gossip_.layer_of(record.layer);
+    const LayerIndex layer = gossip_.store_.find(record.layer);
     if (layer == kNoLayer || !gossip_.own_.may_take(layer, record.version)) {
       all_kept_ = false;
       return;
@@ -170,9 +183,13 @@ class Gossip::Applying final : public DataVisitor {
     all_kept_ = false;
   }
   void on_segment(const DataSegment& segment) override {
+    is_empty_ = false;
     const bool all_kept = std::exchange(all_kept_, true);
-    const LayerIndex layer = gossip_.layer_of(segment.layer);
-    if (layer == kNoLayer || !gossip_.own_.may_take(layer, segment.range.upto) || !all_kept) return;
+    const LayerIndex layer = gossip_.store_.find(segment.layer);
+    if (layer == kNoLayer) ++gossip_.counts_.unknown_layers;
+    if (layer == kNoLayer || !gossip_.own_.may_take(layer, segment.range.upto)) return;
+    is_asked_ = is_asked_ || gossip_.sources_.source(layer) == peer_.robot;
+    if (!all_kept) return;
     if (!gossip_.store_.add_had(layer, segment.lane, segment.range)) {
       ++gossip_.counts_.refused_ranges;
       return;
@@ -181,25 +198,38 @@ class Gossip::Applying final : public DataVisitor {
     known.highest = std::max(known.highest, segment.range.upto);
     gossip_.sources_.note_progress(layer, now_ns_);
   }
+  /// Some of it was asked for from whom it came.
+  [[nodiscard]] bool is_asked() const { return is_asked_; }
+  [[nodiscard]] bool is_empty() const { return is_empty_; }
 
  private:
   Gossip& gossip_;
   Peer& peer_;
   hal::TimeNs now_ns_;
   bool all_kept_ = true;
+  bool is_asked_ = false;
+  bool is_empty_ = true;
 };
 
 void Gossip::on_data(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns) {
-  std::uint32_t sequence = 0;
+  std::uint16_t sequence = 0;
   if (const MessageFault fault = read_data(message, sequence, nullptr); fault != MessageFault::none) {
     return note_fault(fault);
   }
   Applying applying(*this, peer, now_ns);
   (void)read_data(message, sequence, &applying);
-  if (peer.last_seen == 0 || static_cast<std::int32_t>(sequence - peer.last_seen) > 0) peer.last_seen = sequence;
-  if (peer.unanswered++ == 0) peer.first_unanswered_ns = now_ns;
+  const bool is_news = static_cast<MessageKind>(message[0]) == MessageKind::news;
+  std::uint16_t& seen = is_news ? peer.seen.news : peer.seen.data;
+  // After a long silence the numbers may have gone round.
+  const bool is_new = now_ns - peer.data_ns > kGossipNumbers_ns;
+  if (is_new || static_cast<std::int16_t>(static_cast<std::uint16_t>(sequence - seen)) > 0) seen = sequence;
   peer.data_ns = now_ns;
   peer.silent_wants = 0;
+  // Without anything in it, it asks for a word.
+  peer.owes_want = peer.owes_want || applying.is_empty();
+  // News that somebody else asked for are good to have, but nobody waits for our word.
+  if (is_news && !applying.is_asked()) return;
+  if (peer.unanswered++ == 0) peer.first_unanswered_ns = now_ns;
 }
 
 // --- what goes
@@ -224,11 +254,12 @@ void Gossip::on_time(hal::TimeNs now_ns) {
   if (now_ns - chosen_ns_ >= kGossipChoice_ns) {
     chosen_ns_ = now_ns;
     sources_.choose(store_, members_, own_.has_gap() ? kNoLayer : own_.index(), now_ns);
+    note_answer_time();
   }
   if (now_ns - beacon_ns_ >= options_.beacon_period_ns) send_beacon(now_ns);
+  send_wants(now_ns);
   for (Peer& peer : members_.all()) {
     if (!peer.is_alive()) continue;
-    if (want_is_due(peer, now_ns)) send_want(peer, now_ns);
     if (std::exchange(peer.owes_vector, false)) send_vector(peer, false);
     reconcile_with(peer, now_ns);
   }
@@ -260,48 +291,6 @@ void Gossip::send_beacon(hal::TimeNs now_ns) {
     ++told;
   }
   send(kEverybody, MessageKind::beacon, message_.bytes());
-}
-
-bool Gossip::lacks_from(const Peer& peer) const {
-  for (LayerIndex layer = 0; layer < store_.layer_count(); ++layer) {
-    if (!own_.is_ours_alone(layer) && sources_.source(layer) == peer.robot &&
-        LayerSources::has_more(store_, peer, layer)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-bool Gossip::want_is_due(const Peer& peer, hal::TimeNs now_ns) const {
-  if (peer.owes_want || peer.unanswered >= options_.answer_every) return true;
-  if (peer.unanswered > 0) return now_ns - peer.first_unanswered_ns >= options_.answer_after_ns;
-  // What was asked for may have been lost, or the answer to what came.
-  const hal::TimeNs patience = kGossipRetry_ns << std::min(peer.silent_wants, 3);
-  return now_ns - std::max(peer.want_ns, peer.data_ns) >= patience && lacks_from(peer);
-}
-
-void Gossip::send_want(Peer& peer, hal::TimeNs now_ns) {
-  if (!peer.owes_want && peer.unanswered == 0) ++peer.silent_wants;
-  peer.owes_want = false;
-  peer.unanswered = 0;
-  peer.want_ns = now_ns;
-  message_.begin_want(peer.last_seen);
-  // More layers than fit are asked for in turns.
-  const std::uint32_t count = store_.layer_count();
-  LayerPosition position;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const LayerIndex layer = (peer.want_turn + i) % count;
-    if (own_.is_ours_alone(layer) || sources_.source(layer) != peer.robot || store_.is_unclaimed(layer) ||
-        store_.is_refused(layer)) {
-      continue;
-    }
-    position.id = store_.id(layer);
-    for (const Lane lane : kAllLanes) position.had[static_cast<std::size_t>(lane)] = store_.had(layer, lane);
-    if (message_.add_position(position)) continue;
-    peer.want_turn = layer;
-    break;
-  }
-  send(peer.address, MessageKind::want, message_.bytes());
 }
 
 bool Gossip::is_settled(hal::TimeNs now_ns) const {
@@ -374,6 +363,9 @@ void Gossip::look_for_own(hal::TimeNs now_ns) {
 }
 
 void Gossip::send_data(hal::TimeNs now_ns) {
+  while (allowance_bytes_ > 0.0 && news_.next(store_, members_, message_, now_ns)) {
+    send(kEverybody, MessageKind::news, message_.bytes());
+  }
   const std::span<Peer> peers = members_.all();
   std::size_t idle = 0;
   while (!peers.empty() && idle < peers.size() && allowance_bytes_ > 0.0) {

@@ -4,14 +4,16 @@
 //
 //   beacon to all, twice a second ──▶ who has more? ──▶ want to a source ──▶ data, paced ──▶ store ──▶ want (answer)
 //
+// What two or more want from us is sent once, to all (news), and whoever owes an answer to several gives it to all in
+// one message: so what a robot sends grows with what it has to say, not with how many there are to hear it.
+//
 // Who is told of a layer once is sent its news at once. Messages may be lost, doubled, late or out of order, and robots
 // may start anew: nothing is applied but whole records, and the newest stands. A robot that comes back with its layer
 // and its counter goes on where the counter may have been; what its disk had lost the others give back to it. If two
 // have the same versions of a layer and yet not the same records (a writer died between two of them), they find out
 // what each lacks (reconciler.hpp).
 //
-// No threads, no clock, nothing allocated but when a robot is heard for the first time: whoever owns the link calls it,
-// with the time.
+// No threads, no clock, nothing allocated after construction: whoever owns the link calls it, with the time.
 #pragma once
 
 #include <array>
@@ -23,6 +25,7 @@
 #include "net/layer_sources.hpp"
 #include "net/layer_store.hpp"
 #include "net/membership.hpp"
+#include "net/news_stream.hpp"
 #include "net/own_layer.hpp"
 #include "net/reconciler.hpp"
 #include "net/sync_message.hpp"
@@ -53,6 +56,8 @@ struct GossipOptions {
   hal::TimeNs beacon_period_ns = 500'000'000;
   hal::TimeNs answer_after_ns = 40'000'000;  ///< data is answered so late at the latest
   std::uint32_t answer_every = 16;           ///< or after so many datagrams
+  /// Of so many robots each answers twice as late, of twice as many three times: or all would answer all at once.
+  std::size_t answer_crowd = 16;
 };
 
 struct GossipCounts {
@@ -66,6 +71,7 @@ struct GossipCounts {
   std::uint64_t refused_layers = 0;                    ///< no room for a layer more
   std::uint64_t refused_robots = 0;                    ///< messages and layers of robots that the store refuses
   std::uint64_t unreserved_records = 0;                ///< own ones that the version limit kept back
+  std::uint64_t unknown_layers = 0;                    ///< segments of layers whose whole name was not heard yet
   std::array<std::uint64_t, kMessageFaults> faults{};  ///< by MessageFault
   [[nodiscard]] std::uint64_t all_sent_bytes() const {
     std::uint64_t sum = 0;
@@ -107,6 +113,8 @@ class Gossip {
   void on_beacon(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void on_vector(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void on_want(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
+  void on_wants(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
+  /// Data or news.
   void on_data(Peer& peer, mapper::ByteSpan message, hal::TimeNs now_ns);
   void note_fault(MessageFault fault) { ++counts_.faults[static_cast<std::size_t>(fault)]; }
   /// kNoLayer: no room.
@@ -115,13 +123,20 @@ class Gossip {
 
   void reconcile_with(Peer& peer, hal::TimeNs now_ns);
   void send_beacon(hal::TimeNs now_ns);
+  void send_wants(hal::TimeNs now_ns);
   void send_want(Peer& peer, hal::TimeNs now_ns);
+  /// To all, for everybody whom we owe a word.
+  void send_words(hal::TimeNs now_ns);
+  void note_word(Peer& peer, hal::TimeNs now_ns);
+  /// What we want from it, into the message. False if not all of it fits.
+  bool add_wanted_from(Peer& peer);
   void send_vector(Peer& peer, bool wants_answer);
   void send_data(hal::TimeNs now_ns);
   /// Nothing of our store has changed for a while, and nobody is known to have more.
   [[nodiscard]] bool is_settled(hal::TimeNs now_ns) const;
   void ask_if_puzzled(hal::TimeNs now_ns);
   [[nodiscard]] bool want_is_due(const Peer& peer, hal::TimeNs now_ns) const;
+  void note_answer_time();
   [[nodiscard]] bool lacks_from(const Peer& peer) const;
   bool send(Address to, MessageKind kind, mapper::ByteSpan message);
   [[nodiscard]] LayerVersions versions_of(LayerIndex layer) const;
@@ -134,12 +149,14 @@ class Gossip {
   LayerSources sources_;
   GossipCounts counts_;
   MessageWriter message_;
-  LayerList layers_;        ///< of the message that is read
-  PositionList positions_;  ///< the same
+  LayerList layers_;   ///< of the message that is read
+  WantedList wanted_;  ///< the same
   double allowance_bytes_ = 0.0;
   hal::TimeNs allowance_ns_ = 0;
   hal::TimeNs beacon_ns_;
+  hal::TimeNs answer_after_ns_ = 0;  ///< as many as we are now
   std::size_t data_turn_ = 0;
+  NewsStream news_;
   std::size_t vector_turn_ = 0;
   std::vector<LayerVersions> told_;  ///< by layer: what our last beacons have told
   hal::TimeNs stored_ns_ = 0;        ///< when the last record was

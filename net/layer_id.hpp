@@ -27,4 +27,12 @@ struct LayerId {
 }
 [[nodiscard]] constexpr std::uint64_t mixed(const LayerId& id) { return mixed(id.robot, id.incarnation); }
 
+/// A layer's short name in messages between robots that both know the whole one. A store holds no two layers of the
+/// same short name.
+using LayerAlias = std::uint32_t;
+[[nodiscard]] constexpr LayerAlias alias_of(const LayerId& id) { return static_cast<LayerAlias>(mixed(id)); }
+/// A robot's short name in a message to everybody that has a part for each. Two of the same take each other's.
+using RobotAlias = std::uint32_t;
+[[nodiscard]] constexpr RobotAlias alias_of(RobotId robot) { return static_cast<RobotAlias>(mixed(robot, 0)); }
+
 }  // namespace g3d::net

@@ -10,20 +10,28 @@ LayerStore::LayerStore(const StoreLimits& limits)
     : records_(limits.records), table_(limits.records), chunks_(limits.payload_bytes) {
   assert(limits.layers <= 511 && "nine bits of the table's keys, and not all of them set");
   layers_.reserve(limits.layers);
+  aliases_.reserve(limits.layers);
   changes_.reserve(limits.changes);
   refused_robots_.reserve(kMostRefusedRobots);
 }
 
+LayerIndex LayerStore::find(LayerAlias alias) const {
+  for (LayerIndex layer = 0; layer < layer_count(); ++layer) {
+    if (aliases_[layer] == alias && !layers_[layer].is_refused) return layer;
+  }
+  return kNoLayer;
+}
+
 LayerIndex LayerStore::find(const LayerId& id) const {
-  const auto it = std::find_if(layers_.begin(), layers_.end(),
-                               [&](const Layer& layer) { return layer.id == id && !layer.is_refused; });
-  return it == layers_.end() ? kNoLayer : static_cast<LayerIndex>(it - layers_.begin());
+  const LayerIndex layer = find(alias_of(id));
+  return layer != kNoLayer && layers_[layer].id == id ? layer : kNoLayer;
 }
 
 LayerIndex LayerStore::find_or_add(const LayerId& id) {
-  const LayerIndex known = find(id);
-  if (known != kNoLayer) return known;
+  const LayerIndex known = find(alias_of(id));
+  if (known != kNoLayer) return layers_[known].id == id ? known : kNoLayer;
   if (layers_.size() == layers_.capacity() || is_refused_robot(id.robot)) return kNoLayer;
+  aliases_.push_back(alias_of(id));
   layers_.push_back({});
   layers_.back().id = id;
   return layer_count() - 1;

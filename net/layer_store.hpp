@@ -76,7 +76,9 @@ class LayerStore {
   explicit LayerStore(const StoreLimits& limits = {});
 
   [[nodiscard]] LayerIndex find(const LayerId& id) const;
-  /// kNoLayer if it is new and there is no room, or of a robot that is refused.
+  [[nodiscard]] LayerIndex find(LayerAlias alias) const;
+  /// kNoLayer if it is new and there is no room, or of a robot that is refused, or another one has its short name: one
+  /// of some millions of pairs.
   [[nodiscard]] LayerIndex find_or_add(const LayerId& id);
   [[nodiscard]] std::uint32_t layer_count() const { return static_cast<std::uint32_t>(layers_.size()); }
   [[nodiscard]] std::uint32_t most_layers() const { return static_cast<std::uint32_t>(layers_.capacity()); }
@@ -199,7 +201,8 @@ class LayerStore {
   void give_back(LayerIndex layer, std::uint32_t slot);
   [[nodiscard]] StoredRecord stored(std::uint32_t slot) const;
 
-  std::vector<Layer> layers_;  ///< reserved: never moves
+  std::vector<Layer> layers_;        ///< reserved: never moves
+  std::vector<LayerAlias> aliases_;  ///< of each layer; reserved
   mutable mapper::SlotPool<Record> records_;
   mapper::FixedTable<std::uint32_t> table_;
   PayloadChunks chunks_;

@@ -12,7 +12,7 @@ void forget(Peer& peer) {
   peer.want_ns = peer.data_ns = peer.vector_asked_ns = peer.vector_ns = 0;
   // Whatever it is to give us, it does not know.
   peer.owes_want = true;
-  peer.last_seen = 0;
+  peer.seen = {};
   peer.unanswered = 0;
   peer.silent_wants = 0;
   peer.owes_vector = false;
@@ -22,25 +22,24 @@ void forget(Peer& peer) {
 }  // namespace
 
 Membership::Membership(std::size_t most_peers, std::uint32_t most_layers, const MembershipRule& rule)
-    : most_peers_(most_peers), most_layers_(most_layers), rule_(rule) {
-  peers_.reserve(most_peers);
+    : peers_(most_peers), rule_(rule) {
+  for (Peer& peer : peers_) peer.known.resize(most_layers);
 }
 
 Peer* Membership::find(RobotId robot) {
-  const auto it = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& peer) { return peer.robot == robot; });
-  return it == peers_.end() ? nullptr : &*it;
+  const auto it = std::find_if(all().begin(), all().end(), [&](const Peer& peer) { return peer.robot == robot; });
+  return it == all().end() ? nullptr : &*it;
 }
 
 Peer* Membership::heard(const Sender& sender, hal::TimeNs now_ns) {
   Peer* peer = find(sender.robot);
   if (peer == nullptr) {
-    if (peers_.size() < most_peers_) {
-      peer = &peers_.emplace_back();
-      peer->known.resize(most_layers_);
+    if (count_ < peers_.size()) {
+      peer = &peers_[count_++];
     } else {
-      const auto longest = std::min_element(peers_.begin(), peers_.end(),
+      const auto longest = std::min_element(all().begin(), all().end(),
                                             [](const Peer& a, const Peer& b) { return a.heard_ns < b.heard_ns; });
-      if (longest == peers_.end() || longest->state != PeerState::gone) {
+      if (longest == all().end() || longest->state != PeerState::gone) {
         ++refused_;
         return nullptr;
       }
@@ -59,7 +58,7 @@ Peer* Membership::heard(const Sender& sender, hal::TimeNs now_ns) {
 }
 
 void Membership::on_time(hal::TimeNs now_ns) {
-  for (Peer& peer : peers_) {
+  for (Peer& peer : all()) {
     const hal::TimeNs silent_ns = now_ns - peer.heard_ns;
     peer.state = silent_ns > rule_.gone_after_ns      ? PeerState::gone
                  : silent_ns > rule_.suspect_after_ns ? PeerState::suspect

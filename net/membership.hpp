@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which other robots there are: who was heard lately, where it is to be reached, and what it is known to have. Bounded:
-// who is new takes the place of whoever has been gone for longest, or is refused. One thread.
+// who is new takes the place of whoever has been gone for longest, or is refused. Memory is sized at construction. One
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -53,10 +54,10 @@ struct Peer {
   std::vector<KnownLayer> known;  ///< by layer of our store
 
   // What comes from it
-  std::uint32_t last_seen = 0;  ///< highest sequence number
+  SeenNumbers seen;  ///< highest sequence numbers
   std::uint32_t unanswered = 0;
   hal::TimeNs first_unanswered_ns = 0;
-  hal::TimeNs data_ns = 0;
+  hal::TimeNs data_ns = 0;  ///< data or news have come
   hal::TimeNs want_ns = 0;
   int silent_wants = 0;  ///< in a row; each makes the next one later
   bool owes_want = false;
@@ -81,14 +82,13 @@ class Membership {
   void on_time(hal::TimeNs now_ns);
 
   [[nodiscard]] Peer* find(RobotId robot);
-  [[nodiscard]] std::span<Peer> all() { return {peers_.data(), peers_.size()}; }
-  [[nodiscard]] std::span<const Peer> all() const { return {peers_.data(), peers_.size()}; }
+  [[nodiscard]] std::span<Peer> all() { return {peers_.data(), count_}; }
+  [[nodiscard]] std::span<const Peer> all() const { return {peers_.data(), count_}; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
-  std::vector<Peer> peers_;  ///< reserved: never moves
-  std::size_t most_peers_;
-  std::uint32_t most_layers_;
+  std::vector<Peer> peers_;  ///< never grows
+  std::size_t count_ = 0;
   MembershipRule rule_;
   std::uint64_t refused_ = 0;
 };

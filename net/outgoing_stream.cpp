@@ -4,85 +4,51 @@
 #include <algorithm>
 
 namespace g3d::net {
-namespace {
 
-/// Datagrams may overtake each other by so many before the late one counts as lost.
-constexpr std::int32_t kStreamReorder = 3;
-constexpr hal::TimeNs kLeastPatience_ns = 100'000'000;
-constexpr hal::TimeNs kMostPatience_ns = 2'000'000'000;
+std::optional<VersionRange> write_segment(const LayerStore& store, LayerIndex layer, Lane lane, const VersionRange& gap,
+                                          MessageWriter& message) {
+  auto record = store.first_after(layer, lane, gap.after);
+  if (record && record->version > gap.upto) record.reset();
+  const std::size_t first_bytes = record ? record->bytes : 0;
+  if (!message.begin_segment(alias_of(store.id(layer)), lane, gap.after, first_bytes)) return std::nullopt;
+  VersionRange sent{gap.after, gap.after};
+  while (record && record->version <= gap.upto) {
+    const auto place = message.add_record(record->key, record->version, record->bytes);
+    if (!place) break;
+    store.read(*record, *place);
+    sent.upto = record->version;
+    record = store.first_after(layer, lane, sent.upto);
+  }
+  if (!record || record->version > gap.upto) sent.upto = gap.upto;
+  message.end_segment(sent.upto);
+  return sent;
+}
 
-/// Of sequence numbers, which may wrap around.
-std::int32_t distance(std::uint32_t from, std::uint32_t to) { return static_cast<std::int32_t>(to - from); }
-
-}  // namespace
+OutgoingStream::OutgoingStream()
+    : subscriptions_(std::make_unique<mapper::ReservedArray<Subscription>>(kMostWantedInMessage)) {}
 
 const OutgoingStream::Subscription* OutgoingStream::find(LayerIndex layer) const {
-  const auto end = subscriptions_.begin() + static_cast<std::ptrdiff_t>(subscription_count_);
-  const auto it = std::find_if(subscriptions_.begin(), end, [&](const Subscription& s) { return s.layer == layer; });
-  return it == end ? nullptr : &*it;
+  const Subscription* const begin = subscriptions_->data();
+  const Subscription* const end = begin + subscription_count_;
+  const Subscription* const it = std::find_if(begin, end, [&](const Subscription& s) { return s.layer == layer; });
+  return it == end ? nullptr : it;
 }
 
-void OutgoingStream::on_want(const LayerStore& store, std::uint32_t last_seen, std::span<const LayerPosition> positions,
-                             hal::TimeNs now_ns) {
-  // Words may overtake each other: the newest counts. But who has lost its memory of us begins again with nothing.
-  if (word_ns_ != kNoWord && distance(last_seen_, last_seen) < 0 && now_ns - word_ns_ < kMostPatience_ns) return;
-  subscription_count_ = 0;
-  for (const LayerPosition& position : positions) {
-    const LayerIndex layer = store.find(position.id);
-    if (layer == kNoLayer || subscription_count_ == subscriptions_.size()) continue;
-    subscriptions_[subscription_count_++] = {layer, position.had};
-  }
-  last_seen_ = last_seen;
-  word_ns_ = now_ns;
-  silences_ = 0;
-  resolve(last_seen, now_ns);
-}
-
-template <typename Keeps>
-void OutgoingStream::keep_in_flight(Keeps&& keeps) {
-  const auto begin = in_flight_.begin();
-  const auto end = std::remove_if(begin, begin + static_cast<std::ptrdiff_t>(in_flight_count_),
-                                  [&](const InFlight& flight) { return !keeps(flight); });
-  in_flight_count_ = static_cast<std::size_t>(end - begin);
-}
-
-void OutgoingStream::resolve(std::uint32_t last_seen, hal::TimeNs now_ns) {
-  keep_in_flight([&](const InFlight& flight) {
-    if (flight.sequence == last_seen && now_ns > flight.sent_ns) {
-      answer_time_ns_ += (now_ns - flight.sent_ns - answer_time_ns_) / 4;
-    }
-    const Subscription* subscription = find(flight.layer);
-    if (subscription == nullptr) return false;
-    if (subscription->had[static_cast<std::size_t>(flight.lane)].covers(flight.range)) return false;
-    const bool is_lost = distance(flight.sequence, last_seen) >= kStreamReorder;
-    if (is_lost) ++lost_segments_;
-    return !is_lost;
+bool OutgoingStream::lacks(const LayerStore& store, std::size_t i) const {
+  const Subscription& subscription = (*subscriptions_)[i];
+  return std::any_of(kAllLanes.begin(), kAllLanes.end(), [&](Lane lane) {
+    return store.had(subscription.layer, lane).highest() > subscription.had[static_cast<std::size_t>(lane)].upto();
   });
 }
 
-hal::TimeNs OutgoingStream::overdue_after_ns() const {
-  const hal::TimeNs patience = std::max(kLeastPatience_ns, answer_time_ns_ + answer_time_ns_ / 2);
-  return std::min(kMostPatience_ns, patience << std::min(silences_, 5));
-}
-
-void OutgoingStream::give_up_overdue(hal::TimeNs now_ns) {
-  if (in_flight_count_ == 0) return;
-  const InFlight& oldest = in_flight_[0];
-  if (now_ns - std::max(oldest.sent_ns, probed_ns_) <= overdue_after_ns()) return;
-  // It may be the answer that was lost. So one datagram goes again: the answer to it tells of all the others.
-  const std::uint32_t sequence = oldest.sequence;
-  keep_in_flight([&](const InFlight& flight) { return flight.sequence != sequence; });
-  probed_ns_ = now_ns;
-  ++lost_segments_;
-  ++silences_;
-}
-
-VersionRange OutgoingStream::next_gap(const LayerStore& store, const Subscription& subscription, Lane lane) const {
+VersionRange OutgoingStream::next_gap(const LayerStore& store, std::size_t i, Lane lane) const {
+  const Subscription& subscription = (*subscriptions_)[i];
   const VersionRanges& ours = store.had(subscription.layer, lane);
-  VersionRanges coming = subscription.had[static_cast<std::size_t>(lane)];
-  if (ours.highest() <= coming.upto()) return {};
-  for (std::size_t i = 0; i < in_flight_count_; ++i) {
-    const InFlight& flight = in_flight_[i];
+  const VersionRanges& theirs = subscription.had[static_cast<std::size_t>(lane)];
+  if (ours.highest() <= theirs.upto()) return {};
+  VersionRanges coming = theirs;
+  for (std::size_t f = 0; f < in_flight_count_; ++f) {
+    const InFlight& flight = in_flight_[f];
     if (flight.layer == subscription.layer && flight.lane == lane) (void)coming.add(flight.range);
   }
   VersionRange gap = coming.first_gap({0, ours.upto()});
@@ -93,48 +59,48 @@ VersionRange OutgoingStream::next_gap(const LayerStore& store, const Subscriptio
   return gap;
 }
 
-bool OutgoingStream::add_segment(const LayerStore& store, const Subscription& subscription, Lane lane, VersionRange gap,
-                                 MessageWriter& message, hal::TimeNs now_ns) {
-  auto record = store.first_after(subscription.layer, lane, gap.after);
-  if (record && record->version > gap.upto) record.reset();
-  if (!message.begin_segment(store.id(subscription.layer), lane, gap.after, record ? record->bytes : 0)) return false;
-  VersionRange sent{gap.after, gap.upto};
-  while (record && record->version <= gap.upto) {
-    const auto place = message.add_record(record->key, record->version, record->bytes);
-    if (!place) break;
-    store.read(*record, *place);
-    sent.upto = record->version;
-    record = store.first_after(subscription.layer, lane, sent.upto);
-  }
-  if (!record || record->version > gap.upto) sent.upto = gap.upto;
-  message.end_segment(sent.upto);
-  in_flight_[in_flight_count_++] = {next_sequence_, subscription.layer, lane, sent, now_ns};
-  return sent.upto == gap.upto;
+void OutgoingStream::note_news(std::uint32_t sequence, std::size_t i, Lane lane, const VersionRange& range,
+                               std::size_t bytes, hal::TimeNs now_ns) {
+  if (in_flight_count_ == kMostInFlight) return;
+  if ((*subscriptions_)[i].had[static_cast<std::size_t>(lane)].covers(range)) return;
+  note_sent(sequence, true, i, lane, range, bytes, now_ns);
+}
+
+void OutgoingStream::note_sent(std::uint32_t sequence, bool is_news, std::size_t i, Lane lane,
+                               const VersionRange& range, std::size_t bytes, hal::TimeNs now_ns) {
+  in_flight_[in_flight_count_++] = {sequence, is_news, wanted_layer(i), lane, static_cast<std::uint16_t>(bytes),
+                                    range,    now_ns};
 }
 
 bool OutgoingStream::next(const LayerStore& store, MessageWriter& message, hal::TimeNs now_ns) {
-  give_up_overdue(now_ns);
+  const bool asks = give_up_overdue(now_ns);
   const std::size_t before = in_flight_count_;
   bool has_room = true;
   bool has_begun = false;
   for (const Lane lane : kAllLanes) {
     for (std::size_t i = 0; i < subscription_count_ && has_room; ++i) {
-      const Subscription& subscription = subscriptions_[(turn_ + i) % subscription_count_];
+      const std::size_t turn = (turn_ + i) % subscription_count_;
       for (;;) {
-        const VersionRange gap = next_gap(store, subscription, lane);
+        const VersionRange gap = next_gap(store, turn, lane);
         if (gap.upto <= gap.after) break;
         if (in_flight_count_ == kMostInFlight) {
           has_room = false;
           break;
         }
-        if (!has_begun) message.begin_data(next_sequence_);
+        if (!has_begun) message.begin_data(static_cast<std::uint16_t>(next_sequence_));
         has_begun = true;
-        has_room = add_segment(store, subscription, lane, gap, message, now_ns);
+        const std::size_t size = message.size();
+        const auto sent = write_segment(store, wanted_layer(turn), lane, gap, message);
+        if (sent) note_sent(next_sequence_, false, turn, lane, *sent, message.size() - size, now_ns);
+        has_room = sent && sent->upto == gap.upto;
         if (!has_room) break;
       }
     }
   }
-  if (in_flight_count_ == before) return false;
+  if (in_flight_count_ == before) {
+    if (!asks) return false;
+    message.begin_data(static_cast<std::uint16_t>(next_sequence_));
+  }
   if (subscription_count_ > 0) turn_ = (turn_ + 1) % subscription_count_;
   ++next_sequence_;
   return true;

@@ -34,11 +34,23 @@ enum class MessageFault : std::uint8_t {
 };
 inline constexpr std::size_t kMessageFaults = 7;
 
-/// Where somebody stands in a layer.
+/// What somebody has of a layer.
+using HadLanes = std::array<VersionRanges, kLanes>;
+/// Where somebody stands in a layer, by its whole name.
 struct LayerPosition {
   LayerId id;
-  std::array<VersionRanges, kLanes> had{};
+  HadLanes had{};
 };
+/// The same by its short name.
+struct WantedLayer {
+  LayerAlias layer = 0;
+  HadLanes had{};
+};
+[[nodiscard]] constexpr std::size_t varint_bytes(std::uint64_t value) {
+  std::size_t bytes = 1;
+  for (; value >= 0x80U; value >>= 7) ++bytes;
+  return bytes;
+}
 
 class WireWriter {
  public:
@@ -59,14 +71,22 @@ class WireWriter {
     put(id.robot);
     put(id.incarnation);
   }
+  /// Of which lanes there are ranges beyond (u8, a bit each), upto of the first lane, of the others the difference
+  /// (zigzag) to the lane before; then per lane that has them: number of ranges, and per range gap and length.
+  void put_had(const HadLanes& had);
   /// False if there is no room; then nothing was written.
   bool put_position(const LayerPosition& position);
+  bool put_wanted(const WantedLayer& wanted);
   /// So many bytes for somebody else to write.
   std::span<std::uint8_t> skip(std::size_t bytes) {
     const std::span<std::uint8_t> place{bytes_.data() + size_, bytes};
     size_ += bytes;
     return place;
   }
+  /// Forgets what was written after it had that size.
+  void cut(std::size_t size) { size_ = size; }
+  /// A byte that was written before.
+  [[nodiscard]] std::uint8_t& at(std::size_t place) { return bytes_[place]; }
   /// All that is left of a message.
   [[nodiscard]] std::span<std::uint8_t> rest() { return {bytes_.data() + size_, kMostMessage_bytes - size_}; }
   [[nodiscard]] bool has_room(std::size_t bytes) const { return size_ + bytes <= kMostMessage_bytes; }
@@ -74,6 +94,9 @@ class WireWriter {
   [[nodiscard]] mapper::ByteSpan bytes() const { return {bytes_.data(), size_}; }
 
  private:
+  template <typename Write>
+  bool put_if_it_fits(Write&& write);
+
   /// Room to write a position before it is known whether it fits.
   std::array<std::uint8_t, kMostMessage_bytes + 1024> bytes_{};
   std::size_t size_ = 0;
@@ -83,6 +106,7 @@ class WireWriter {
   return in.take(id.robot) && in.take(id.incarnation);
 }
 [[nodiscard]] MessageFault take_position(mapper::ByteReader& in, LayerPosition& position);
+[[nodiscard]] MessageFault take_wanted(mapper::ByteReader& in, WantedLayer& wanted);
 
 /// Small for small differences either way; differences of keys wrap around.
 [[nodiscard]] constexpr std::uint64_t zigzag(std::uint64_t difference) {

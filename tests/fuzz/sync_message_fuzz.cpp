@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between robots from hostile hands: any bytes, through all four readers. At most one of them takes them; what
+// Messages between robots from hostile hands: any bytes, through all five readers. At most one of them takes them; what
 // it takes can be, and written again reads the same.
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,7 @@ bool same(const LayerVersions& a, const LayerVersions& b) {
 
 /// The readers' lists are large; they are made once.
 LayerList layers, layers_again;
-PositionList positions, positions_again;
+WantedList wanted, wanted_again;
 MessageWriter writer;
 
 /// A writer keeps some room that it may not need: of a full message the last layers may be missing.
@@ -64,25 +65,51 @@ bool takes_vector(ByteSpan message) {
   return true;
 }
 
-bool takes_want(ByteSpan message) {
-  std::uint32_t last_seen = 0, last_seen_again = 0;
-  if (read_want(message, last_seen, positions) != MessageFault::none) return false;
-  writer.begin_want(last_seen);
+bool same(const WantedLayer& a, const WantedLayer& b) { return a.layer == b.layer && a.had == b.had; }
+
+/// Written it is never longer than what it was read from.
+void check_wanted_again(ByteSpan message, std::size_t written) {
+  check(written == wanted.count || message.size() > kMostMessage_bytes);
+  check(writer.size() <= std::min(message.size(), kMostMessage_bytes));
+  check(wanted_again.count == written);
+  for (std::size_t i = 0; i < written; ++i) check(same(wanted.wanted[i], wanted_again.wanted[i]));
+}
+std::size_t write_wanted() {
   std::size_t written = 0;
-  for (const LayerPosition& position : positions.all()) {
-    for (const VersionRanges& had : position.had) check(had.highest() <= kMostVersion);
-    if (!writer.add_position(position)) break;
+  for (const WantedLayer& each : wanted.all()) {
+    for (const VersionRanges& had : each.had) check(had.highest() <= kMostVersion);
+    if (!writer.add_wanted(each)) break;
     ++written;
   }
-  // Written it is never longer than what it was read from.
-  check(written == positions.count || message.size() > kMostMessage_bytes);
-  check(writer.size() <= std::min(message.size(), kMostMessage_bytes));
-  check(read_want(writer.bytes(), last_seen_again, positions_again) == MessageFault::none);
-  check(last_seen_again == last_seen && positions_again.count == written);
-  for (std::size_t i = 0; i < written; ++i) {
-    check(positions.positions[i].id == positions_again.positions[i].id);
-    check(positions.positions[i].had == positions_again.positions[i].had);
-  }
+  return written;
+}
+
+bool takes_want(ByteSpan message) {
+  SeenNumbers seen, seen_again;
+  if (read_want(message, seen, wanted) != MessageFault::none) return false;
+  writer.begin_want(seen);
+  const std::size_t written = write_wanted();
+  check(read_want(writer.bytes(), seen_again, wanted_again) == MessageFault::none && seen_again == seen);
+  check_wanted_again(message, written);
+  return true;
+}
+
+bool takes_wants(ByteSpan message) {
+  // The first part's robot, or another one.
+  RobotAlias robot = 0;
+  if (message.size() > sizeof robot) std::copy_n(message.begin() + 1, sizeof robot, reinterpret_cast<char*>(&robot));
+  std::optional<SeenNumbers> seen, seen_again;
+  const MessageFault fault = read_wants(message, robot, seen, wanted);
+  std::optional<SeenNumbers> no_seen;
+  check(read_wants(message, ~robot, no_seen, wanted_again) == fault);
+  if (fault != MessageFault::none) return false;
+  check(seen.has_value() == (message.size() > 1) && (seen || wanted.count == 0));
+  if (!seen) return true;
+  writer.begin_wants();
+  check(writer.begin_part(robot, *seen));
+  const std::size_t written = write_wanted();
+  check(read_wants(writer.bytes(), robot, seen_again, wanted_again) == MessageFault::none && seen_again == seen);
+  check_wanted_again(message, written);
   return true;
 }
 
@@ -118,8 +145,12 @@ class DataListener final : public DataVisitor {
 };
 
 /// What has room of it; returns how many segments, and records.
-std::pair<std::size_t, std::size_t> write_data(const DataListener& said, std::uint32_t sequence) {
-  writer.begin_data(sequence);
+std::pair<std::size_t, std::size_t> write_data(const DataListener& said, std::uint16_t sequence, bool is_news) {
+  if (is_news) {
+    writer.begin_news(sequence);
+  } else {
+    writer.begin_data(sequence);
+  }
   std::size_t record = 0;
   for (std::size_t s = 0; s < said.segments.size(); ++s) {
     const DataSegment& segment = said.segments[s];
@@ -141,12 +172,13 @@ std::pair<std::size_t, std::size_t> write_data(const DataListener& said, std::ui
 }
 
 bool takes_data(ByteSpan message) {
-  std::uint32_t sequence = 0, sequence_again = 0;
+  std::uint16_t sequence = 0, sequence_again = 0;
   DataListener said(message);
   const MessageFault fault = read_data(message, sequence, &said);
   check(read_data(message, sequence, nullptr) == fault);
   if (fault != MessageFault::none) return false;
-  const auto [segments, records] = write_data(said, sequence);
+  const auto [segments, records] =
+      write_data(said, sequence, message[0] == static_cast<std::uint8_t>(MessageKind::news));
   DataListener again(writer.bytes());
   check(read_data(writer.bytes(), sequence_again, &again) == MessageFault::none && sequence_again == sequence);
   check(again.segments.size() == segments && again.records.size() == records);
@@ -167,7 +199,8 @@ bool takes_data(ByteSpan message) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size_bytes) {
   const ByteSpan message(data, size_bytes);
   int taken = 0;
-  for (const auto takes : {takes_beacon, takes_vector, takes_want, takes_data}) taken += takes(message) ? 1 : 0;
+  for (const auto takes : {takes_beacon, takes_vector, takes_want, takes_wants, takes_data})
+    taken += takes(message) ? 1 : 0;
   check(taken <= 1);
   return 0;
 }

@@ -22,7 +22,7 @@ constexpr net::MembershipRule kMemberRule{2 * kMemberSecond, 5 * kMemberSecond};
 void fill_peer(Peer& peer) {
   peer.digest = 77;
   peer.known[1] = {{4, 5, 6}, 9, 123, 456};
-  peer.last_seen = 31;
+  peer.seen = {31, 32};
   peer.unanswered = 2;
   peer.silent_wants = 3;
   peer.owes_want = false;
@@ -38,7 +38,7 @@ void check_nothing_is_known(const Peer& peer) {
     CHECK(known.content_hash == 0);
     CHECK(known.taken_hash == 0);
   }
-  CHECK(peer.last_seen == 0);
+  CHECK(peer.seen == net::SeenNumbers{});
   CHECK(peer.unanswered == 0);
   CHECK(peer.silent_wants == 0);
   CHECK_FALSE(peer.owes_vector);
@@ -57,8 +57,8 @@ class MemberTalk {
     REQUIRE(store_.add_had(layer, net::Lane::ground, {0, 1}));
   }
   void want(Peer& peer, TimeNs now_ns) {
-    const net::LayerPosition position{{9, 1}, {}};
-    peer.out.on_want(store_, 0, {&position, 1}, now_ns);
+    const net::WantedLayer wanted{net::alias_of(net::LayerId{9, 1}), {}};
+    peer.out.on_want(store_, {}, 1, {&wanted, 1}, now_ns);
   }
   bool sends(Peer& peer, TimeNs now_ns) { return peer.out.next(store_, message_, now_ns); }
 
@@ -122,7 +122,7 @@ TEST_CASE("another session makes void all that was known of a robot, the same on
   (void)members.heard({1, 50, 1}, 100 * kMemberSecond);
   CHECK(peer.digest == 77);
   CHECK(peer.known[1].upto == net::LaneVersions{4, 5, 6});
-  CHECK(peer.last_seen == 31);
+  CHECK(peer.seen == net::SeenNumbers{31, 32});
   CHECK(peer.owes_vector);
   CHECK_FALSE(peer.owes_want);
   CHECK(peer.out.in_flight() == 1);

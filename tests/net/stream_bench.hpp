@@ -20,16 +20,25 @@ using StreamItem = std::tuple<net::RobotId, net::Lane, net::Version>;
 
 /// Of one datagram.
 struct StreamDatagram {
-  std::uint32_t sequence = 0;
+  std::uint16_t sequence = 0;
   mapper::Bytes bytes;
   std::vector<StreamItem> records;
   std::vector<net::DataSegment> segments;
 };
 
+/// Whose layer it is: the benches' robots have one each, and low numbers.
+inline net::RobotId robot_of(net::LayerAlias alias) {
+  net::RobotId robot = 1;
+  while (net::alias_of(net::LayerId{robot, 1}) != alias) REQUIRE(++robot < 100);
+  return robot;
+}
+
 class StreamReader final : public net::DataVisitor {
  public:
   explicit StreamReader(StreamDatagram& into) : into_(into) {}
-  void on_record(const net::DataRecord& r) override { into_.records.emplace_back(r.layer.robot, r.lane, r.version); }
+  void on_record(const net::DataRecord& r) override {
+    into_.records.emplace_back(robot_of(r.layer), r.lane, r.version);
+  }
   void on_segment(const net::DataSegment& segment) override { into_.segments.push_back(segment); }
 
  private:
@@ -41,10 +50,10 @@ class StreamTaker final : public net::DataVisitor {
  public:
   explicit StreamTaker(net::LayerStore& store) : store_(store) {}
   void on_record(const net::DataRecord& r) override {
-    (void)store_.put(store_.find_or_add(r.layer), r.key, r.version, r.lane, r.payload);
+    (void)store_.put(store_.find(r.layer), r.key, r.version, r.lane, r.payload);
   }
   void on_segment(const net::DataSegment& segment) override {
-    (void)store_.add_had(store_.find_or_add(segment.layer), segment.lane, segment.range);
+    (void)store_.add_had(store_.find(segment.layer), segment.lane, segment.range);
   }
 
  private:
@@ -91,18 +100,18 @@ class StreamBench {
   }
   void take(const StreamDatagram& datagram) {
     StreamTaker taker(theirs);
-    std::uint32_t sequence = 0;
+    std::uint16_t sequence = 0;
     REQUIRE(net::read_data(datagram.bytes, sequence, &taker) == net::MessageFault::none);
-    last_seen = std::max(last_seen, datagram.sequence);
+    seen.data = std::max(seen.data, datagram.sequence);
   }
   /// The receiver's word, of where it stands now.
-  void say() { stream.on_want(ours, last_seen, positions(), now_ns); }
-  [[nodiscard]] std::vector<net::LayerPosition> positions() const {
-    std::vector<net::LayerPosition> all;
+  void say() { stream.on_want(ours, seen, next_news, positions(), now_ns); }
+  [[nodiscard]] std::vector<net::WantedLayer> positions() const {
+    std::vector<net::WantedLayer> all;
     for (const net::RobotId robot : wanted) {
-      net::LayerPosition& position = all.emplace_back();
-      position.id = {robot, 1};
-      const net::LayerIndex layer = theirs.find(position.id);
+      net::WantedLayer& position = all.emplace_back();
+      position.layer = net::alias_of(net::LayerId{robot, 1});
+      const net::LayerIndex layer = theirs.find(position.layer);
       if (layer == net::kNoLayer) continue;
       for (const net::Lane lane : net::kAllLanes) {
         position.had[static_cast<std::size_t>(lane)] = theirs.had(layer, lane);
@@ -114,7 +123,8 @@ class StreamBench {
   net::LayerStore ours{{20, 5000, 2'000'000}}, theirs{{20, 5000, 2'000'000}};
   net::OutgoingStream stream;
   std::vector<net::RobotId> wanted;
-  std::uint32_t last_seen = 0;
+  net::SeenNumbers seen;
+  std::uint32_t next_news = 1;
   hal::TimeNs now_ns = 1000 * kStreamMs;
 
  private:
@@ -123,11 +133,14 @@ class StreamBench {
 };
 
 /// 20 datagrams of one record each are under way.
-inline std::vector<StreamDatagram> twenty_under_way(StreamBench& bench) {
+inline std::vector<StreamDatagram> twenty_under_way(StreamBench& bench, std::size_t bytes = 1000) {
   bench.has_other_lanes(1);
-  for (int i = 0; i < 20; ++i) bench.publish(1, net::Lane::ground, 1000);
   bench.say();
-  std::vector<StreamDatagram> sent = bench.all_next();
+  std::vector<StreamDatagram> sent;
+  for (int i = 0; i < 20; ++i) {
+    bench.publish(1, net::Lane::ground, bytes);
+    REQUIRE(bench.next(sent.emplace_back()));
+  }
   REQUIRE(sent.size() == 20);
   for (const StreamDatagram& datagram : sent) REQUIRE(datagram.records.size() == 1);
   return sent;
@@ -146,7 +159,7 @@ inline std::set<StreamItem> versions_of_ranges(const net::LayerStore& store, net
 inline void add_versions(std::multiset<StreamItem>& versions, const StreamDatagram& datagram) {
   for (const net::DataSegment& segment : datagram.segments) {
     for (net::Version v = segment.range.after + 1; v <= segment.range.upto; ++v) {
-      versions.emplace(segment.layer.robot, segment.lane, v);
+      versions.emplace(robot_of(segment.layer), segment.lane, v);
     }
   }
 }

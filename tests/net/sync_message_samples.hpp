@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace g3d::tests {
 
 /// What a data message says, to compare.
 struct SaidRecord {
-  net::LayerId layer;
+  net::LayerAlias layer = 0;
   net::Lane lane = net::Lane::rest;
   net::RecordKey key = 0;
   net::Version version = 0;
@@ -23,7 +24,7 @@ struct SaidRecord {
   bool operator==(const SaidRecord&) const = default;
 };
 struct SaidSegment {
-  net::LayerId layer;
+  net::LayerAlias layer = 0;
   net::Lane lane = net::Lane::rest;
   net::VersionRange range;
   std::vector<SaidRecord> records;
@@ -86,10 +87,10 @@ inline net::LayerVersions random_layer_versions(Random& random) {
   for (net::Version& upto : layer.upto) upto = layer.highest - std::min(layer.highest, random_wire_version(random));
   return layer;
 }
-inline net::LayerPosition random_layer_position(Random& random) {
-  net::LayerPosition position;
-  position.id = random_layer_id(random);
-  for (net::VersionRanges& had : position.had) {
+inline net::LayerAlias random_layer_alias(Random& random) { return static_cast<net::LayerAlias>(random.next()); }
+inline net::WantedLayer random_wanted_layer(Random& random) {
+  net::WantedLayer wanted{random_layer_alias(random), {}};
+  for (net::VersionRanges& had : wanted.had) {
     had = net::VersionRanges(random_wire_version(random));
     const std::uint32_t beyond = random.below(net::VersionRanges::kMostBeyond + 1);
     for (std::uint32_t i = 0; i < beyond; ++i) {
@@ -98,15 +99,20 @@ inline net::LayerPosition random_layer_position(Random& random) {
       if (upto <= net::kMostVersion) REQUIRE(had.add({after, upto}));
     }
   }
-  return position;
+  return wanted;
 }
 /// Segments of random records until the message is full; what it was told.
 inline std::vector<SaidSegment> fill_with_data(Random& random, net::MessageWriter& message,
                                                std::uint32_t most_payload) {
   std::vector<SaidSegment> said;
-  message.begin_data(static_cast<std::uint32_t>(random.next()));
-  for (net::LayerId layer = random_layer_id(random);;) {
-    if (random.below(2) == 0) layer = random_layer_id(random);
+  const auto sequence = static_cast<std::uint16_t>(random.next());
+  if (random.below(2) == 0) {
+    message.begin_data(sequence);
+  } else {
+    message.begin_news(sequence);
+  }
+  for (net::LayerAlias layer = random_layer_alias(random);;) {
+    if (random.below(2) == 0) layer = random_layer_alias(random);
     const auto lane = static_cast<net::Lane>(random.below(net::kLanes));
     const net::Version after = random_wire_version(random) / 2;
     if (!message.begin_segment(layer, lane, after, most_payload)) return said;
@@ -152,26 +158,36 @@ inline void check_layers_are_possible(const net::LayerList& layers) {
   }
 }
 
+inline void check_wanted_is_possible(const net::WantedList& list) {
+  REQUIRE(list.count <= net::kMostWantedInMessage);
+  for (const net::WantedLayer& wanted : list.all()) {
+    for (const net::VersionRanges& had : wanted.had) REQUIRE(had.highest() <= net::kMostVersion);
+  }
+}
+
+/// Whose part of wants is read.
+inline constexpr net::RobotAlias kSampleRobot = 77;
+
 /// Through the reader of its kind: a fault, or something that can be.
 inline net::MessageFault fault_of_any(mapper::ByteSpan message) {
   std::uint64_t digest = 0;
-  std::uint32_t number = 0;
+  std::uint16_t number = 0;
   bool wants_answer = false;
   net::LayerList layers;
-  net::PositionList positions;
+  const auto wanted = std::make_unique<net::WantedList>();
+  net::SeenNumbers seen;
+  std::optional<net::SeenNumbers> seen_part;
   net::MessageFault fault = net::read_beacon(message, digest, layers);
   if (fault == net::MessageFault::none) check_layers_are_possible(layers);
   if (fault != net::MessageFault::unknown_kind) return fault;
   fault = net::read_vector(message, wants_answer, layers);
   if (fault == net::MessageFault::none) check_layers_are_possible(layers);
   if (fault != net::MessageFault::unknown_kind) return fault;
-  fault = net::read_want(message, number, positions);
-  if (fault == net::MessageFault::none) {
-    REQUIRE(positions.count <= net::kMostPositionsInMessage);
-    for (const net::LayerPosition& position : positions.all()) {
-      for (const net::VersionRanges& had : position.had) REQUIRE(had.highest() <= net::kMostVersion);
-    }
-  }
+  fault = net::read_want(message, seen, *wanted);
+  if (fault == net::MessageFault::none) check_wanted_is_possible(*wanted);
+  if (fault != net::MessageFault::unknown_kind) return fault;
+  fault = net::read_wants(message, kSampleRobot, seen_part, *wanted);
+  if (fault == net::MessageFault::none) check_wanted_is_possible(*wanted);
   if (fault != net::MessageFault::unknown_kind) return fault;
   SaidData said(message);
   fault = net::read_data(message, number, &said);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "tests/net/sync_message_samples.hpp"
@@ -11,17 +14,18 @@ using namespace g3d;
 using mapper::Bytes;
 using mapper::ByteSpan;
 using net::Lane;
-using net::LayerPosition;
 using net::LayerVersions;
 using net::MessageFault;
 using net::MessageWriter;
 using net::RecordKey;
+using net::SeenNumbers;
 using net::Version;
+using net::WantedLayer;
 using tests::ExactMessage;
 using tests::fault_of_any;
 using tests::fill_with_data;
-using tests::random_layer_position;
 using tests::random_layer_versions;
+using tests::random_wanted_layer;
 using tests::SaidData;
 using tests::SaidSegment;
 
@@ -30,7 +34,7 @@ namespace {
 bool same_layer_versions(const LayerVersions& a, const LayerVersions& b, bool with_hash) {
   return a.id == b.id && a.upto == b.upto && a.highest == b.highest && (!with_hash || a.content_hash == b.content_hash);
 }
-bool same_position(const LayerPosition& a, const LayerPosition& b) { return a.id == b.id && a.had == b.had; }
+bool same_wanted(const WantedLayer& a, const WantedLayer& b) { return a.layer == b.layer && a.had == b.had; }
 
 /// One of each kind, of medium length.
 std::vector<Bytes> messages_of_all_kinds(tests::Random& random) {
@@ -43,9 +47,15 @@ std::vector<Bytes> messages_of_all_kinds(tests::Random& random) {
   message.begin_vector(true);
   for (int i = 0; i < 5; ++i) REQUIRE(message.add_layer(random_layer_versions(random)));
   keep();
-  message.begin_want(3);
-  (void)message.add_position(random_layer_position(random));
-  (void)message.add_position(random_layer_position(random));
+  message.begin_want({3, 4});
+  (void)message.add_wanted(random_wanted_layer(random));
+  (void)message.add_wanted(random_wanted_layer(random));
+  keep();
+  message.begin_wants();
+  for (const net::RobotAlias robot : {tests::kSampleRobot, tests::kSampleRobot + 1}) {
+    REQUIRE(message.begin_part(robot, {5, 6}));
+    (void)message.add_wanted(random_wanted_layer(random));
+  }
   keep();
   (void)fill_with_data(random, message, 40);
   keep();
@@ -55,13 +65,13 @@ std::vector<Bytes> messages_of_all_kinds(tests::Random& random) {
 Bytes bytes_of(const MessageWriter& message) { return {message.bytes().begin(), message.bytes().end()}; }
 
 MessageFault data_fault(const Bytes& segments) {
-  Bytes message{4, 1, 0, 0, 0};
+  Bytes message{4, 1, 0};
   mapper::put_bytes(message, segments);
   return fault_of_any(ExactMessage(message).bytes());
 }
 /// A head of a new layer's segment.
 Bytes segment_of_ground(std::initializer_list<std::uint8_t> rest) {
-  Bytes segment(13, 0);
+  Bytes segment(5, 0);
   segment.insert(segment.end(), rest);
   return segment;
 }
@@ -111,26 +121,69 @@ TEST_CASE("wants are filled to the brim, and say what was written into them", "[
     INFO("seed " << seed);
     tests::Random random(seed);
     MessageWriter message;
-    const auto last_seen = static_cast<std::uint32_t>(random.next());
-    message.begin_want(last_seen);
-    std::vector<LayerPosition> told;
+    const SeenNumbers seen{static_cast<std::uint16_t>(random.next()), static_cast<std::uint16_t>(random.next())};
+    message.begin_want(seen);
+    std::vector<WantedLayer> told;
     for (;;) {
-      LayerPosition position = random_layer_position(random);
-      if (seed % 3 == 0) position.had = {};  // as short as they get
+      WantedLayer wanted = random_wanted_layer(random);
+      if (seed % 3 == 0) wanted.had = {};  // as short as they get
       const Bytes before = bytes_of(message);
-      const bool is_told = message.add_position(position);
+      const bool is_told = message.add_wanted(wanted);
       REQUIRE(message.size() <= net::kMostMessage_bytes);
       if (!is_told) REQUIRE(bytes_of(message) == before);
       if (!is_told) break;
-      told.push_back(position);
+      told.push_back(wanted);
     }
     REQUIRE(told.size() >= 1);
     const ExactMessage exact(message.bytes());
-    net::PositionList positions;
-    std::uint32_t read_last_seen = 0;
-    REQUIRE(net::read_want(exact.bytes(), read_last_seen, positions) == MessageFault::none);
-    CHECK(read_last_seen == last_seen);
-    REQUIRE(std::equal(told.begin(), told.end(), positions.all().begin(), positions.all().end(), same_position));
+    const auto wanted = std::make_unique<net::WantedList>();
+    SeenNumbers read_seen;
+    REQUIRE(net::read_want(exact.bytes(), read_seen, *wanted) == MessageFault::none);
+    CHECK(read_seen == seen);
+    REQUIRE(std::equal(told.begin(), told.end(), wanted->all().begin(), wanted->all().end(), same_wanted));
+  }
+}
+
+TEST_CASE("of wants for many everybody reads its own part, and nothing if there is none", "[net]") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    INFO("seed " << seed);
+    tests::Random random(seed);
+    MessageWriter message;
+    message.begin_wants();
+    std::vector<std::pair<SeenNumbers, std::vector<WantedLayer>>> told;
+    for (net::RobotAlias robot = 1;; ++robot) {
+      const SeenNumbers seen{static_cast<std::uint16_t>(random.next()), static_cast<std::uint16_t>(random.next())};
+      const Bytes before = bytes_of(message);
+      if (!message.begin_part(robot, seen)) {
+        REQUIRE(bytes_of(message) == before);
+        break;
+      }
+      told.emplace_back(seen, std::vector<WantedLayer>{});
+      for (std::uint32_t i = seed % 4 == 0 ? 200 : random.below(4); i > 0; --i) {
+        WantedLayer wanted = random_wanted_layer(random);
+        if (seed % 2 == 0) wanted.had = {};
+        if (!message.add_wanted(wanted)) break;
+        told.back().second.push_back(wanted);
+      }
+      REQUIRE(message.size() <= net::kMostMessage_bytes);
+      if (seed % 10 == 1 && robot == 3) {
+        message.cut(before.size());  // as if it had not fitted
+        told.pop_back();
+        break;
+      }
+    }
+    const ExactMessage exact(message.bytes());
+    const auto wanted = std::make_unique<net::WantedList>();
+    std::optional<SeenNumbers> seen;
+    for (net::RobotAlias robot = 1; robot <= told.size(); ++robot) {
+      REQUIRE(net::read_wants(exact.bytes(), robot, seen, *wanted) == MessageFault::none);
+      REQUIRE(seen == told[robot - 1].first);
+      const std::vector<WantedLayer>& its = told[robot - 1].second;
+      REQUIRE(std::equal(its.begin(), its.end(), wanted->all().begin(), wanted->all().end(), same_wanted));
+    }
+    REQUIRE(net::read_wants(exact.bytes(), 0, seen, *wanted) == MessageFault::none);
+    CHECK_FALSE(seen);
+    CHECK(wanted->count == 0);
   }
 }
 
@@ -144,7 +197,7 @@ TEST_CASE("data messages are filled to the brim, and say what was written into t
     REQUIRE_FALSE(told.empty());
     const ExactMessage exact(message.bytes());
     SaidData said(exact.bytes());
-    std::uint32_t sequence = 0;
+    std::uint16_t sequence = 0;
     REQUIRE(net::read_data(exact.bytes(), sequence, &said) == MessageFault::none);
     REQUIRE(said.segments == told);
   }
@@ -155,8 +208,8 @@ TEST_CASE("the longest record fits a datagram of its own, whatever its numbers a
   const RecordKey highest_key = net::status_record(0xFFFFFFFFU);
   for (const Version version : {Version{1}, net::kMostVersion}) {
     for (const Version after : {Version{0}, version - 1}) {
-      message.begin_data(0xFFFFFFFFU);
-      REQUIRE(message.begin_segment({~0ULL, ~0U}, Lane::rest, after, net::kMostPayload_bytes));
+      message.begin_data(0xFFFFU);
+      REQUIRE(message.begin_segment(~0U, Lane::rest, after, net::kMostPayload_bytes));
       const auto place = message.add_record(highest_key, version, net::kMostPayload_bytes);
       REQUIRE(place);
       std::fill(place->begin(), place->end(), std::uint8_t{0xEE});
@@ -164,14 +217,14 @@ TEST_CASE("the longest record fits a datagram of its own, whatever its numbers a
       REQUIRE(message.size() <= net::kMostMessage_bytes);
       const ExactMessage exact(message.bytes());
       SaidData said(exact.bytes());
-      std::uint32_t sequence = 0;
+      std::uint16_t sequence = 0;
       REQUIRE(net::read_data(exact.bytes(), sequence, &said) == MessageFault::none);
       REQUIRE(said.segments.size() == 1);
-      const net::LayerId id{~0ULL, ~0U};
+      const net::LayerAlias id = ~0U;
       const Bytes payload(net::kMostPayload_bytes, 0xEE);
       CHECK(said.segments[0] ==
             SaidSegment{id, Lane::rest, {after, net::kMostVersion}, {{id, Lane::rest, highest_key, version, payload}}});
-      CHECK_FALSE(message.begin_segment({1, 1}, Lane::ground, 0, 0));
+      CHECK_FALSE(message.begin_segment(1, Lane::ground, 0, 50));
     }
   }
 }
@@ -232,7 +285,7 @@ TEST_CASE("every fault of a message is told by its name", "[net]") {
   Bytes longest = segment_of_ground({0, 0xC4, 8, 4});                                       // 1090 bytes
   longest.resize(longest.size() + net::kMostPayload_bytes + 2, 0);
   CHECK(data_fault(longest) == MessageFault::none);
-  longest[14] += 1;
+  longest[6] += 1;
   longest.push_back(0);
   CHECK(data_fault(longest) == MessageFault::bad_record);
   // 2^48 is the last version, 2^48 + 1 is none.
@@ -280,75 +333,22 @@ TEST_CASE("more layers, positions or ranges than a datagram can hold are refused
   beacon[0] = 1;
   beacon.resize(beacon.size() + net::kMostLayersInMessage * 16, 0);
   vector.resize(vector.size() + net::kMostLayersInMessage * 24, 0);
-  want.resize(want.size() + net::kMostPositionsInMessage * 18, 0);
+  want.resize(want.size() + net::kMostWantedInMessage * 8, 0);
   for (Bytes message : {beacon, vector, want}) {
     CHECK(fault_of_any(message) == MessageFault::none);
     message.resize(message.size() + 24, 0);
     CHECK(fault_of_any(message) == MessageFault::too_many);
   }
-  Bytes ranges{3, 0, 0, 0, 0};
-  ranges.resize(ranges.size() + 12, 0);
-  mapper::put_bytes(ranges, Bytes{0, net::VersionRanges::kMostBeyond});
+  Bytes ranges{3, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, net::VersionRanges::kMostBeyond};
   ranges.resize(ranges.size() + 2 * net::VersionRanges::kMostBeyond, 1);
-  mapper::put_bytes(ranges, Bytes{0, 0, 0, 0});
   CHECK(fault_of_any(ranges) == MessageFault::none);
-  ranges[18] += 1;
+  ranges[13] += 1;
   CHECK(fault_of_any(ranges) == MessageFault::too_many);
-  ranges[18] -= 1;
-  ranges[21] = 0;  // a range that touches what is before it
+  ranges[13] -= 1;
+  ranges[16] = 0;  // a range that touches what is before it
   CHECK(fault_of_any(ranges) == MessageFault::bad_range);
-}
-
-TEST_CASE("messages are these bytes, on every machine and in every version of the program", "[net]") {
-  const net::LayerId id{0x0102030405060708ULL, 0x0A0B0C0DU};
-  const Bytes id_bytes{8, 7, 6, 5, 4, 3, 2, 1, 0x0D, 0x0C, 0x0B, 0x0A};
-  const auto joined = [&](std::initializer_list<Bytes> parts) {
-    Bytes all;
-    for (const Bytes& part : parts) mapper::put_bytes(all, part);
-    return all;
-  };
-  MessageWriter message;
-  message.begin_beacon(0x1122334455667788ULL);
-  REQUIRE(message.add_layer({id, {300, 299, 0}, 300, 99}));
-  CHECK(bytes_of(message) ==
-        joined({{1, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11}, id_bytes, {0xAC, 2, 0, 1, 0xAC, 2}}));
-  message.begin_vector(true);
-  REQUIRE(message.add_layer({id, {5, 3, 0}, 5, 0x1122334455667788ULL}));
-  CHECK(bytes_of(message) == joined({{2, 1}, id_bytes, {5, 0, 2, 5, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11}}));
-
-  LayerPosition position{id, {net::VersionRanges(200), net::VersionRanges(0), net::VersionRanges(7)}};
-  REQUIRE((position.had[0].add({203, 204}) && position.had[0].add({334, 336})));
-  message.begin_want(0xA1B2C3D4U);
-  REQUIRE(message.add_position(position));
-  CHECK(bytes_of(message) ==
-        joined({{3, 0xD4, 0xC3, 0xB2, 0xA1}, id_bytes, {0xC8, 1, 2, 3, 1, 0x82, 1, 2, 0, 0, 7, 0}}));
-
-  const auto add = [&](RecordKey key, Version version, const Bytes& payload) {
-    const auto place = message.add_record(key, version, payload.size());
-    REQUIRE(place);
-    std::copy(payload.begin(), payload.end(), place->begin());
-  };
-  message.begin_data(7);
-  REQUIRE(message.begin_segment(id, Lane::ground, 5, 3));
-  add(net::block_record(0, 5, net::Part::low_half), 6, {0xAA, 0xBB, 0xCC});  // key 21
-  add(net::block_record(0, 4, net::Part::whole), 9, {});                     // key 16
-  message.end_segment(12);
-  REQUIRE(message.begin_segment(id, Lane::rest, 0, 1));
-  add(net::block_record(0, 5, net::Part::whole), 1, {0xDD});  // key 20
-  message.end_segment(1);
-  REQUIRE(message.begin_segment({id.robot, 1}, Lane::frontier, 300, 0));
-  message.end_segment(301);
-  CHECK(bytes_of(message) == joined({{4, 7, 0, 0, 0},
-                                     {0},
-                                     id_bytes,
-                                     {5},
-                                     {5, 42, 0xAA, 0xBB, 0xCC},
-                                     {1, 2, 2, 9},
-                                     {0, 3},
-                                     {6, 0},
-                                     {3, 8, 0xDD},
-                                     {0, 0},
-                                     {1, 8, 7, 6, 5, 4, 3, 2, 1, 1, 0, 0, 0},
-                                     {0xAC, 2},
-                                     {0, 1}}));
+  Bytes part{7, 1, 0, 0, 0, 0, 0, 0, 0, 128};
+  CHECK(fault_of_any(part) == MessageFault::too_many);
+  part[9] = 1;
+  CHECK(fault_of_any(part) == MessageFault::truncated);
 }

@@ -64,18 +64,23 @@ TEST_CASE("what does not fit a message is not begun", "[net]") {
 TEST_CASE("versions that nobody reaches and ranges that do not ascend are faults", "[net]") {
   const auto fault_of = [](std::initializer_list<std::uint64_t> numbers) {
     mapper::Bytes bytes(net::kLayerId_bytes, 1);
-    for (const std::uint64_t number : numbers) mapper::put_varint(bytes, number);
+    for (const std::uint64_t number : numbers) mapper::put_varint(bytes, number);  // ranges of the first lane alone
     mapper::ByteReader in(bytes);
     net::LayerPosition position;
     return net::take_position(in, position);
   };
-  CHECK(fault_of({5, 0, 5, 0, 5, 0}) == net::MessageFault::none);
-  CHECK(fault_of({5, 1, 2, 3, 5, 0, 5, 0}) == net::MessageFault::none);
-  CHECK(fault_of({net::kMostVersion + 1, 0, 5, 0, 5, 0}) == net::MessageFault::bad_range);
-  CHECK(fault_of({5, 1, 0, 3, 5, 0, 5, 0}) == net::MessageFault::bad_range);
-  CHECK(fault_of({5, 1, 2, 0, 5, 0, 5, 0}) == net::MessageFault::bad_range);
-  CHECK(fault_of({5, 1, 2, net::kMostVersion, 5, 0, 5, 0}) == net::MessageFault::bad_range);
-  CHECK(fault_of({5, net::VersionRanges::kMostBeyond + 1, 1, 1}) == net::MessageFault::too_many);
+  CHECK(fault_of({0, 5, 0, 0}) == net::MessageFault::none);
+  CHECK(fault_of({0, 5, 9, 10}) == net::MessageFault::none);       // 5, 0, 5
+  CHECK(fault_of({0, 5, 11, 0}) == net::MessageFault::bad_range);  // 5, -1
+  CHECK(fault_of({8, 5, 0, 0}) == net::MessageFault::bad_range);   // a fourth lane
+  CHECK(fault_of({1, 5, 0, 0, 1, 2, 3}) == net::MessageFault::none);
+  CHECK(fault_of({1, 5, 0, 0, 0}) == net::MessageFault::bad_range);  // has ranges, but none
+  CHECK(fault_of({0, net::kMostVersion + 1, 0, 0}) == net::MessageFault::bad_range);
+  CHECK(fault_of({0, net::kMostVersion, 2, 0}) == net::MessageFault::bad_range);
+  CHECK(fault_of({1, 5, 0, 0, 1, 0, 3}) == net::MessageFault::bad_range);
+  CHECK(fault_of({1, 5, 0, 0, 1, 2, 0}) == net::MessageFault::bad_range);
+  CHECK(fault_of({1, 5, 0, 0, 1, 2, net::kMostVersion}) == net::MessageFault::bad_range);
+  CHECK(fault_of({1, 5, 0, 0, net::VersionRanges::kMostBeyond + 1, 1, 1}) == net::MessageFault::too_many);
 }
 
 TEST_CASE("differences of keys are short either way", "[net]") {

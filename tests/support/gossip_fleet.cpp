@@ -32,6 +32,7 @@ GossipFleet::Robot::Robot(GossipFleet& of, std::uint32_t its_number, std::uint32
             options.restored_upto = keeper ? keeper->restored_upto() : 0;
             options.seed = of.random_.bits();
             options.bandwidth_Bps = of.options_.bandwidth_Bps;
+            options.most_peers = of.options_.robots;
             return options;
           }(),
           store, *this) {
@@ -52,7 +53,10 @@ GossipFleet::GossipFleet(const FleetOptions& options)
     : options_(options),
       groups_(options.robots, 0),
       radio_(options.robots, options.radio,
-             [this](std::uint32_t from, std::uint32_t to, hal::TimeNs) { return groups_[from] == groups_[to]; }),
+             [this](std::uint32_t from, std::uint32_t to, hal::TimeNs) {
+               const std::uint32_t apart = from < to ? to - from : from - to;
+               return groups_[from] == groups_[to] && apart <= options_.reach;
+             }),
       random_(options.radio.seed * 77 + 5),
       starts_(options.robots, 0),
       robots_(options.robots) {

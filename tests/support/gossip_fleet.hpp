@@ -26,6 +26,7 @@ struct FleetOptions {
   hal::TimeNs step_ns = 10'000'000;
   std::size_t payload_bytes = 60;  ///< of publish_scan(), in the mean
   bool has_disks = false;          ///< what a robot knows lies in a folder, and is found there by its next start
+  std::uint64_t reach = 1000;      ///< robots hear those whose numbers differ by no more
 };
 
 class GossipFleet {
