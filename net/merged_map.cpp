@@ -4,15 +4,34 @@
 #include <algorithm>
 #include <array>
 #include <tuple>
+#include <utility>
 
 #include "mapper/block_source.hpp"
 #include "net/pose_payload.hpp"
 
 namespace g3d::net {
+namespace {
+
+constexpr std::size_t kMostMergedPayload_bytes = 0xFFFF;
+/// Of the result every block may be due, and some that turn out to be empty.
+constexpr std::size_t kMergedDuePerBlock = 2;
+/// So many blocks of a submap are listed at a time. Each touches at most 4 x 4 x 4 of the result.
+constexpr std::size_t kMergedSources = 256;
+constexpr std::size_t kMergedTargets = 64;
+
+}  // namespace
 
 MergedMap::MergedMap(const MergedOptions& options)
     : options_(options), T_world_merged_(options.T_world_merged), merged_(options.grid, options.merged) {
   submaps_.reserve(options.most_submaps);
+  spare_.reserve(options.most_submaps);
+  for (std::size_t i = 0; i < options.most_submaps; ++i) {
+    spare_.push_back(std::make_unique<mapper::VoxelMap>(options.grid, options.submap));
+  }
+  order_.reserve(options.most_submaps);
+  payload_.reserve(kMostMergedPayload_bytes);
+  keys_.reserve(std::max(options.submap.blocks, options.merged.blocks));
+  due_.reserve(kMergedDuePerBlock * std::size_t{options.merged.blocks} + kMergedSources * kMergedTargets);
 }
 
 MergedMap::Submap* MergedMap::submap_of(const LayerStore& store, LayerIndex layer, std::uint32_t number) {
@@ -23,8 +42,8 @@ MergedMap::Submap* MergedMap::submap_of(const LayerStore& store, LayerIndex laye
     ++counts_.refused_submaps;
     return nullptr;
   }
-  submaps_.push_back({store.id(layer), layer, number, 0,
-                      std::make_unique<mapper::VoxelMap>(options_.grid, options_.submap), hal::Pose{}, std::nullopt});
+  submaps_.push_back({store.id(layer), layer, number, 0, std::move(spare_.back()), hal::Pose{}, std::nullopt});
+  spare_.pop_back();
   rank_submaps();
   return &submaps_.back();
 }
@@ -39,10 +58,12 @@ void MergedMap::rank_submaps() {
 
 void MergedMap::drop(LayerIndex layer) {
   const auto is_of_layer = [&](const Submap& submap) { return submap.index == layer; };
-  for (const Submap& submap : submaps_) {
+  for (Submap& submap : submaps_) {
     if (!is_of_layer(submap)) continue;
-    if (submap.sampler) submap.sampler->add_target_keys(submap.map->sorted_keys(), due_);
+    if (submap.sampler) add_due(submap, keys_of(*submap.map));
     ++counts_.dropped_submaps;
+    submap.map->clear();
+    spare_.push_back(std::move(submap.map));
   }
   std::erase_if(submaps_, is_of_layer);
   rank_submaps();
@@ -73,7 +94,16 @@ void MergedMap::take_block(const LayerStore& store, LayerIndex layer, RecordKey 
     ++counts_.refused_blocks;
     return;
   }
-  if (submap->sampler) submap->sampler->add_target_keys(std::array{block}, due_);
+  if (submap->sampler) add_due(*submap, std::array{block});
+}
+
+void MergedMap::add_due(const Submap& submap, std::span<const mapper::BlockKey> source_keys) {
+  while (!source_keys.empty()) {
+    const auto some = source_keys.first(std::min(source_keys.size(), kMergedSources));
+    source_keys = source_keys.subspan(some.size());
+    if (due_.size() + some.size() * kMergedTargets > due_.capacity()) mapper::sort_and_drop_repeats(due_);
+    submap.sampler->add_target_keys(some, due_);
+  }
 }
 
 void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32_t number) {
@@ -86,16 +116,25 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
     return;
   }
   if (submap->sampler) {
-    submap->sampler->add_target_keys(submap->map->sorted_keys(), due_);
+    add_due(*submap, keys_of(*submap->map));
     ++counts_.moved_submaps;
   }
   submap->T_world_submap = T_world_submap;
   look_from_there(*submap);
 }
 
+std::span<const mapper::BlockKey> MergedMap::keys_of(const mapper::VoxelMap& map) {
+  keys_.clear();
+  for (std::uint32_t slot = 0; slot < map.slot_end(); ++slot) {
+    mapper::BlockKey block = 0;
+    if (map.copy_block(slot, block, values_)) keys_.push_back(block);
+  }
+  return keys_;
+}
+
 void MergedMap::look_from_there(Submap& submap) {
   submap.sampler.emplace(options_.grid, submap.T_world_submap, options_.grid, T_world_merged_, mapper::Walls::closed);
-  submap.sampler->add_target_keys(submap.map->sorted_keys(), due_);
+  add_due(submap, keys_of(*submap.map));
 }
 
 void MergedMap::place(const hal::Pose& T_world_merged) {
@@ -107,7 +146,10 @@ void MergedMap::begin_update() {
   due_.clear();
   if (!is_placed_anew_) return;
   is_placed_anew_ = false;
-  due_ = merged_.sorted_keys();
+  for (std::uint32_t slot = 0; slot < merged_.slot_end(); ++slot) {
+    mapper::BlockKey block = 0;
+    if (merged_.copy_block(slot, block, values_)) due_.push_back(block);
+  }
   for (Submap& submap : submaps_) {
     if (submap.sampler) look_from_there(submap);
   }

@@ -6,8 +6,8 @@
 // on what has changed.
 //
 // A layer that the store refuses leaves the map with all that it had put there. A submap whose pose is not known yet
-// waits. Each takes address space for as much as one map may hold when it is first heard of, and an update allocates:
-// not for a thread on the way from camera to base. One thread.
+// waits. Each has address space for as much as one map may hold from the start: pages that are not touched cost
+// nothing, and an update allocates nothing. One thread.
 #pragma once
 
 #include <cstdint>
@@ -84,6 +84,10 @@ class MergedMap {
   /// What a layer says of a block; its submaps are [first, end) of order_. False: nothing.
   bool sample_layer(std::size_t first, std::size_t end, mapper::BlockKey key);
   void begin_update();
+  /// `source_keys`: of a submap that has a place.
+  void add_due(const Submap& submap, std::span<const mapper::BlockKey> source_keys);
+  /// In keys_, until the next call.
+  [[nodiscard]] std::span<const mapper::BlockKey> keys_of(const mapper::VoxelMap& map);
   void merge_due();
 
   /// Where the submap stands to the result, from what is known by now.
@@ -93,9 +97,11 @@ class MergedMap {
   hal::Pose T_world_merged_;
   bool is_placed_anew_ = false;
   mapper::VoxelMap merged_;
-  std::vector<Submap> submaps_;
-  std::vector<std::size_t> order_;     ///< those that are placed: layer by layer, the newest first
-  std::vector<mapper::BlockKey> due_;  ///< blocks of the result
+  std::vector<Submap> submaps_;                           ///< reserved
+  std::vector<std::unique_ptr<mapper::VoxelMap>> spare_;  ///< for those that come
+  std::vector<std::size_t> order_;      ///< those that are placed: layer by layer, the newest first; reserved
+  std::vector<mapper::BlockKey> due_;   ///< blocks of the result; reserved
+  std::vector<mapper::BlockKey> keys_;  ///< of a submap; reserved
   BlockUnpacker unpacker_;
   std::vector<std::uint8_t> payload_;
   mapper::BlockValues values_{};
