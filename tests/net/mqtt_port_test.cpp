@@ -249,10 +249,9 @@ TEST_CASE("a broker with the access list of the README lets every site speak in 
   REQUIRE(soon([&] { return one->is_connected() && two->is_connected() && liar->is_connected(); }));
   CHECK(soon([&] { return guesser->counts().failed_connections > 0; }));
   CHECK_THAT(guesser->last_fault(), Catch::Contains("refused: Not authorized"));
-  for (const Address to : {kEverybody, Address{1}}) {
-    CHECK(liar->send(to, numbered(9, 10)));
-    CHECK(soon([&] { return liar->counts().sent_datagrams > 0; }));
-  }
+  CHECK(liar->send(kEverybody, numbered(8, 10)));
+  CHECK(liar->send(1, numbered(9, 10)));
+  CHECK(soon([&] { return liar->counts().sent_datagrams == 2; }));
   CHECK(two->send(kEverybody, numbered(1, 10)));
   CHECK(two->send(1, numbered(2, 10)));
   std::multiset<Address> heard;

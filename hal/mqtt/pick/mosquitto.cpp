@@ -213,7 +213,8 @@ class MosquittoClient final : public MqttClient {
     } else if (disconnect_reason_ >= 0x80) {
       fault_ = place + mosquitto_reason_string(disconnect_reason_);
     } else {
-      fault_ = place + mosquitto_strerror(status == MOSQ_ERR_SUCCESS ? MOSQ_ERR_CONN_LOST : status);
+      const bool has_reason = status != MOSQ_ERR_SUCCESS && status != MOSQ_ERR_ERRNO;
+      fault_ = place + mosquitto_strerror(has_reason ? status : MOSQ_ERR_CONN_LOST);
     }
     state_ = State::closed;
     return false;
