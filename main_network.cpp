@@ -10,6 +10,7 @@
 
 #include "mapper/mapper.hpp"
 #include "mapper/summary.hpp"
+#include "net/broker_options.hpp"
 #include "net/fleet_key_file.hpp"
 #include "net/robot_identity.hpp"
 
@@ -89,7 +90,16 @@ hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
   net::SharingOptions& sharing = thread.sharing;
   sharing.gossip.self = {robot.value(), net::fresh_incarnation()};
   sharing.gossip.seed = net::mixed(sharing.gossip.self);
-  sharing.gossip.bandwidth_Bps = 1000.0 * board.network_bandwidth_kBps;
+  plan.radio_bandwidth_Bps = 1000.0 * board.network_bandwidth_kBps;
+  if (board.network_broker != "none") {
+    auto broker = net::broker_options({board.network_broker, board.network_broker_topic, board.network_broker_login},
+                                      robot.value());
+    if (!broker) return broker.error();
+    plan.broker = std::move(broker).value();
+    plan.broker_bandwidth_Bps = 1000.0 * board.network_broker_bandwidth_kBps;
+  }
+  // Each way has its own limit besides.
+  sharing.gossip.bandwidth_Bps = plan.radio_bandwidth_Bps + plan.broker_bandwidth_Bps;
   sharing.T_world_map = T_world_map(board);
   if (!has_map) {
     // It has nothing else to do with its memory, and must not be the one that forgets.
@@ -103,12 +113,27 @@ hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
 hal::Result<std::unique_ptr<Fleet>> Fleet::open(FleetPlan plan, const mapper::VoxelMap& own, hal::Clock& clock) {
   auto port = net::UdpPort::open(plan.port);
   if (!port) return port.error();
-  return std::unique_ptr<Fleet>(new Fleet(std::move(plan), std::move(port).value(), own, clock));
+  std::unique_ptr<net::MqttPort> broker;
+  if (plan.broker) {
+    auto opened = net::MqttPort::open(*plan.broker);
+    if (!opened) return opened.error();
+    broker = std::move(opened).value();
+  }
+  return std::unique_ptr<Fleet>(new Fleet(std::move(plan), std::move(port).value(), std::move(broker), own, clock));
 }
 
-Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, const mapper::VoxelMap& own, hal::Clock& clock)
-    : clock_(clock), own_(own), port_(std::move(port)) {
-  net::SharingParts parts{*port_, [this](hal::TimeNs at_most_ns) { (void)port_->wait(at_most_ns); }, clock, own};
+Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr<net::MqttPort> broker,
+             const mapper::VoxelMap& own, hal::Clock& clock)
+    : clock_(clock), own_(own), port_(std::move(port)), broker_(std::move(broker)), mux_([&] {
+        std::vector<net::PortMux::Branch> branches{{port_.get(), plan.radio_bandwidth_Bps}};
+        if (broker_) branches.push_back({broker_.get(), plan.broker_bandwidth_Bps});
+        return branches;
+      }()) {
+  const auto wait = [this](hal::TimeNs at_most_ns) {
+    (void)port_->wait(at_most_ns);
+    mux_.on_time(clock_.now());
+  };
+  net::SharingParts parts{mux_, wait, clock, own};
   parts.on_key = [path = plan.sharing.key_path](const hal::Error* error, std::uint16_t epoch) {
     if (error != nullptr) {
       fmt::print(stderr, "g3dmap: {}; the key of epoch {} stays in use\n", error->text, epoch);
@@ -179,7 +204,20 @@ void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, doub
       json.member(net::to_string(static_cast<net::GateRefusal>(i)), status.gate.by_reason[i]);
     }
   }
-  json.end_object().end_object();
+  json.end_object();
+  if (broker_) {
+    const net::MqttPortCounts counts = broker_->counts();
+    json.key("broker").begin_object().member("connections", counts.connections);
+    json.member("failed_connections", counts.failed_connections).member("last_fault", broker_->last_fault());
+    json.member("sent_datagrams", counts.sent_datagrams).member("sent_messages", counts.sent_messages);
+    json.member("sent_bytes", counts.sent_message_bytes).member("received_datagrams", counts.received_datagrams);
+    json.key("dropped").begin_object();
+    for (std::size_t i = 0; i < net::kMqttDrops; ++i) {
+      if (counts.drops[i] > 0) json.member(net::to_string(static_cast<net::MqttDrop>(i)), counts.drops[i]);
+    }
+    json.end_object().end_object();
+  }
+  json.end_object();
   json.key("robots").begin_array();
   for (const net::PeerStatus& peer : status.peers) {
     json.begin_object().member("id", net::text_of_robot(peer.robot)).member("state", net::to_string(peer.state));

@@ -16,6 +16,8 @@
 #include "mapper/json_writer.hpp"
 #include "mapper/voxel_map.hpp"
 #include "net/fleet_key.hpp"
+#include "net/mqtt_port.hpp"
+#include "net/port_mux.hpp"
 #include "net/sharing_thread.hpp"
 #include "net/udp_port.hpp"
 
@@ -29,14 +31,17 @@ namespace g3d {
 struct FleetPlan {
   net::FleetKey keys;
   net::UdpPortOptions port;
+  double radio_bandwidth_Bps = 0.0;
+  std::optional<net::MqttPortOptions> broker;
+  double broker_bandwidth_Bps = 0.0;
   net::SharingThreadOptions sharing;
 };
-/// Reads the key. Errors: bad_usage, and those of the key's file.
+/// Reads the key, and the login for a broker. Errors: bad_usage, and those of these files.
 [[nodiscard]] hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map);
 
 class Fleet {
  public:
-  /// `own` and `clock` outlive this. Errors: those of the socket.
+  /// `own` and `clock` outlive this. Errors: those of the socket, and of MqttPort::open().
   [[nodiscard]] static hal::Result<std::unique_ptr<Fleet>> open(FleetPlan plan, const mapper::VoxelMap& own,
                                                                 hal::Clock& clock);
 
@@ -57,11 +62,14 @@ class Fleet {
   void write(mapper::JsonWriter& json, const std::string& merged_hash, double run_s) const;
 
  private:
-  Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, const mapper::VoxelMap& own, hal::Clock& clock);
+  Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr<net::MqttPort> broker,
+        const mapper::VoxelMap& own, hal::Clock& clock);
 
   hal::Clock& clock_;
   const mapper::VoxelMap& own_;
   std::unique_ptr<net::UdpPort> port_;
+  std::unique_ptr<net::MqttPort> broker_;  ///< nullptr: none
+  net::PortMux mux_;                       ///< of port_, then broker_
   std::unique_ptr<net::SharingThread> thread_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "mapper/json_writer.hpp"
 #include "mapper/summary.hpp"
+#include "net/port_mux.hpp"
 #include "net/robot_identity.hpp"
 #include "net/udp_port.hpp"
 
@@ -55,6 +56,12 @@ PeerStatus status_of(const LayerStore& store, const Peer& peer, std::uint32_t& l
     status.layers.push_back(of);
   }
   return status;
+}
+
+/// Behind a mux the fleet's radio is the first port, a broker the second.
+std::string address_text(Address address) {
+  const Address within = PortMux::within_branch(address);
+  return address >> 56U == 2 ? fmt::format("site {:x}", within) : UdpPort::text_of(within);
 }
 
 std::string old_key_text(const FleetStatus& status) {
@@ -132,7 +139,7 @@ std::string to_json(const FleetStatus& status) {
   json.end_array().key("robots").begin_array();
   for (const PeerStatus& peer : status.peers) {
     json.begin_object().member("id", text_of_robot(peer.robot)).member("state", to_string(peer.state));
-    json.member("address", UdpPort::text_of(peer.address)).member("heard_s", std::round(peer.heard_s * 100.0) / 100.0);
+    json.member("address", address_text(peer.address)).member("heard_s", std::round(peer.heard_s * 100.0) / 100.0);
     json.member("holds_the_same", peer.holds_the_same).key("layers").begin_array();
     for (const PeerLayerStatus& layer : peer.layers) {
       if (++lines > kMostStatusLines) {
@@ -172,7 +179,7 @@ std::string to_text(const FleetStatus& status) {
   std::size_t left_out = 0;
   for (const PeerStatus& peer : status.peers) {
     fmt::format_to(out, "\nrobot {}  {}  {}  heard {:.1f} s ago{}\n", text_of_robot(peer.robot), to_string(peer.state),
-                   UdpPort::text_of(peer.address), peer.heard_s, peer.holds_the_same ? "  holds the same" : "");
+                   address_text(peer.address), peer.heard_s, peer.holds_the_same ? "  holds the same" : "");
     for (const PeerLayerStatus& layer : peer.layers) {
       if (++lines > kMostStatusLines) {
         ++left_out;

@@ -15,6 +15,8 @@ constexpr hal::TimeNs kGossipAsk_ns = 5'000'000'000;
 constexpr std::size_t kGossipLayersPerBeacon = 4;
 /// Records of a refused robot that go each time; they take a millisecond.
 constexpr std::uint32_t kGossipDropped = 1024;
+/// Who was asked for all that it has, and said nothing, is asked again.
+constexpr hal::TimeNs kGossipAgain_ns = 250'000'000;
 /// No datagram is under way for so long.
 constexpr hal::TimeNs kGossipNumbers_ns = 10'000'000'000;
 /// What may be sent at once after a pause.
@@ -353,7 +355,7 @@ void Gossip::look_for_own(hal::TimeNs now_ns) {
     if (!peer.is_alive()) continue;
     is_alone = false;
     if (LayerSources::has_more(store_, peer, own_.index()) || peer.vector_ns == 0) is_known_to_all = false;
-    if (peer.vector_ns != 0 || (peer.vector_asked_ns != 0 && now_ns - peer.vector_asked_ns < kGossipRetry_ns)) continue;
+    if (peer.vector_ns != 0 || (peer.vector_asked_ns != 0 && now_ns - peer.vector_asked_ns < kGossipAgain_ns)) continue;
     peer.vector_asked_ns = now_ns;
     send_vector(peer, true);
   }
