@@ -28,11 +28,12 @@ struct Sender {
 
 enum class PeerState : std::uint8_t { alive, suspect, gone };
 
-/// With two beacons a second, of which three in ten are lost: a robot that lives is taken for gone once in an hour, and
-/// who has died is gone early enough for others to hear of it within 5 s of its death.
+/// With two beacons a second, of which three in ten are lost: a robot that lives and has nothing to say is taken for
+/// gone some four times an hour, by one that hears nobody else; and who has died is gone early enough for all others to
+/// hear of it within 5 s of its death.
 struct MembershipRule {
   hal::TimeNs suspect_after_ns = 2'500'000'000;
-  hal::TimeNs gone_after_ns = 3'500'000'000;
+  hal::TimeNs gone_after_ns = 3'250'000'000;
 };
 
 /// What somebody is known to have of a layer.

@@ -15,7 +15,7 @@ namespace g3d::tests {
 class ClusterModel {
  public:
   static constexpr hal::TimeNs kStep_ns = 100'000'000;
-  static constexpr hal::TimeNs kGone_ns = 3'500'000'000;
+  static constexpr hal::TimeNs kGone_ns = 3'250'000'000;
 
   ClusterModel(std::uint32_t robots, double loss, std::uint64_t seed);
 
