@@ -158,7 +158,7 @@ TEST_CASE("what a thin shell encloses stays enclosed however it is turned", "[ma
   CHECK(leaks_without > 0);  // else this would show nothing
 }
 
-TEST_CASE("a thin wall that is turned has no holes, does not become two, and hardly thicker", "[mapper][merge]") {
+TEST_CASE("a thin wall that is turned has no holes, does not become two, and hardly thicker", "[mapper][merge][slow]") {
   tests::Random random(8);
   Thickness before;
   Thickness plain;
