@@ -50,7 +50,7 @@ std::unique_ptr<VoxelMap> thin_shell(const Shape& distance) {
 }
 
 /// What the sampler makes of it, for |k| < kReach around the middle.
-std::unique_ptr<VoxelMap> turned(const VoxelMap& map, const hal::Pose& T_world_map, Walls walls) {
+std::unique_ptr<VoxelMap> turned_shell(const VoxelMap& map, const hal::Pose& T_world_map, Walls walls) {
   auto result = std::make_unique<VoxelMap>(map.grid(), MapCapacity{1U << 15, 1U << 15, 8});
   MapSampler sampler(map, T_world_map, map.grid(), {}, walls);
   std::vector<BlockKey> keys;
@@ -113,7 +113,7 @@ struct Thickness {
 };
 
 /// Along the voxels' columns through a wall across them.
-Thickness measure(const VoxelMap& map, int axis) {
+Thickness thickness_of(const VoxelMap& map, int axis) {
   Thickness result;
   for (int a = -12; a < 12; ++a) {
     for (int b = -12; b < 12; ++b) {
@@ -152,8 +152,8 @@ TEST_CASE("what a thin shell encloses stays enclosed however it is turned", "[ma
     const auto map = thin_shell(trial % 2 == 0 ? ball : box);
     REQUIRE(escaped(*map, 16.0) == 0);
     const hal::Pose T_world_map = turn_of_chance(random);
-    leaks_without += escaped(*turned(*map, T_world_map, Walls::as_centres_say), 16.0);
-    CHECK(escaped(*turned(*map, T_world_map, Walls::closed), 16.0) == 0);
+    leaks_without += escaped(*turned_shell(*map, T_world_map, Walls::as_centres_say), 16.0);
+    CHECK(escaped(*turned_shell(*map, T_world_map, Walls::closed), 16.0) == 0);
   }
   CHECK(leaks_without > 0);  // else this would show nothing
 }
@@ -178,9 +178,9 @@ TEST_CASE("a thin wall that is turned has no holes, does not become two, and har
     const hal::Pose T_world_map =
         hal::from_xyz_rpy(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1),
                           random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), turn);
-    add(before, measure(*map, 2));
-    add(plain, measure(*turned(*map, T_world_map, Walls::as_centres_say), 2));
-    add(closed, measure(*turned(*map, T_world_map, Walls::closed), 2));
+    add(before, thickness_of(*map, 2));
+    add(plain, thickness_of(*turned_shell(*map, T_world_map, Walls::as_centres_say), 2));
+    add(closed, thickness_of(*turned_shell(*map, T_world_map, Walls::closed), 2));
   }
   const auto per_ray = [](const Thickness& t) { return static_cast<double>(t.voxels) / static_cast<double>(t.rays); };
   INFO("rays " << closed.rays << ", open " << before.open << " / " << plain.open << " / " << closed.open << ", doubled "

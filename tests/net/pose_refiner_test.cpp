@@ -27,8 +27,8 @@ constexpr double kRefineDegree = std::numbers::pi / 180.0;
 const mapper::MapCapacity kRefineRoom{1U << 13, 1U << 13, 1U << 14};
 
 /// What a robot has seen of a map, in a frame of its own.
-std::unique_ptr<mapper::VoxelMap> part_of(const mapper::VoxelMap& map, const hal::Pose& T_world_own,
-                                          const std::function<bool(const std::array<double, 3>&)>& has_seen) {
+std::unique_ptr<mapper::VoxelMap> what_is_seen_of(const mapper::VoxelMap& map, const hal::Pose& T_world_own,
+                                                  const std::function<bool(const std::array<double, 3>&)>& has_seen) {
   mapper::VoxelMap part(map.grid(), map.capacity());
   mapper::BlockValues values;
   for (const mapper::BlockKey key : map.sorted_keys()) {
@@ -123,9 +123,9 @@ TEST_CASE("robots that were told wrongly where they are come to one map, and com
   std::vector<RefinedRobot> robots(3);
   robots[1].T_world_map = hal::from_xyz_rpy(1.5, 0.4, 0, 0, 0, 0.9);
   robots[2].T_world_map = hal::from_xyz_rpy(-0.7, 1.2, 0, 0, 0, -2.0);
-  robots[0].map = part_of(*room, robots[0].T_world_map, [](const auto& p) { return p[0] < 0.9; });
-  robots[1].map = part_of(*room, robots[1].T_world_map, [](const auto& p) { return p[0] > -0.9; });
-  robots[2].map = part_of(*room, robots[2].T_world_map, [](const auto& p) { return p[1] > -0.6; });
+  robots[0].map = what_is_seen_of(*room, robots[0].T_world_map, [](const auto& p) { return p[0] < 0.9; });
+  robots[1].map = what_is_seen_of(*room, robots[1].T_world_map, [](const auto& p) { return p[0] > -0.9; });
+  robots[2].map = what_is_seen_of(*room, robots[2].T_world_map, [](const auto& p) { return p[1] > -0.6; });
   robots[1].T_world_said = off_by(robots[1].T_world_map, 0.2, -0.2, 5.0);
   robots[2].T_world_said = off_by(robots[2].T_world_map, -0.3, 0.05, -4.0);
   RefinedFleet team(std::move(robots));
@@ -162,8 +162,8 @@ TEST_CASE("who has nothing in common, or fits nowhere near, stays where it was s
   const auto room = tests::furnished_room(0.1F);
   std::vector<RefinedRobot> robots(2);
   const double turn_deg = GENERATE(0.0, 90.0);
-  robots[0].map = part_of(*room, {}, [](const auto&) { return true; });
-  robots[1].map = part_of(*room, {}, [](const auto&) { return true; });
+  robots[0].map = what_is_seen_of(*room, {}, [](const auto&) { return true; });
+  robots[1].map = what_is_seen_of(*room, {}, [](const auto&) { return true; });
   robots[1].T_world_said = turn_deg == 0.0 ? hal::Pose{{20.0, 0.0, 0.0}, {0, 0, 0, 1}} : off_by({}, 0, 0, turn_deg);
   RefinedFleet team(std::move(robots));
   team.run(15);
