@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::array kParts{0.1, 0.5, 0.9};  // rays per sector: no cell at 0.8 m is missed
 constexpr int kPixelStep = 2;
+constexpr double kTeammateGap_m = 0.10;  // of a sector's middle from a body that covers its side
 
 }  // namespace
 
@@ -51,7 +52,7 @@ void NearWatch::walk(const hal::PlanarPose& pose, const hal::CameraModel& camera
 }
 
 void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
-                     const MovedLately& moved, const hal::PlanarPose& pose, TimeNs now) {
+                     const MovedLately& moved, const hal::PlanarPose& pose, TimeNs now, const TeamBodies* teammates) {
   if (camera.width_px < kSectors) return;
   last_pose_ = pose;
   std::array<bool, kSectors> has_floor{};
@@ -63,6 +64,9 @@ void NearWatch::look(const hal::Frame& frame, const hal::CameraModel& camera, co
     if (!has_floor[i]) {
       walk(pose, camera, sector, 0.5, 0.0, config_.explained_m, [&](Cell c) {
         is_explained = states.at(c) == CellState::occupied && !moved.is_new(c, now);
+        if (!is_explained && teammates != nullptr) {
+          is_explained = teammates->is_known_at(states.centre_x_m(c), states.centre_y_m(c), kTeammateGap_m, now);
+        }
         return !is_explained;
       });
     }

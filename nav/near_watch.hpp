@@ -14,6 +14,7 @@
 #include "hal/twist.hpp"
 #include "nav/cell_grid.hpp"
 #include "nav/moved_lately.hpp"
+#include "nav/team_bodies.hpp"
 
 namespace g3d::nav {
 
@@ -38,9 +39,10 @@ class NearWatch {
   /// For grids of this geometry.
   NearWatch(const CellGrid<CellState>& like, const NearWatchConfig& config);
 
-  /// A frame was taken here. Allocates nothing.
+  /// A frame was taken here. Teammates who have said that they are there are a reason, too. Allocates nothing.
   void look(const hal::Frame& frame, const hal::CameraModel& camera, const CellGrid<CellState>& states,
-            const MovedLately& moved, const hal::PlanarPose& T_world_base, TimeNs now);
+            const MovedLately& moved, const hal::PlanarPose& T_world_base, TimeNs now,
+            const TeamBodies* teammates = nullptr);
 
   [[nodiscard]] bool is_suspect(Cell c, TimeNs now) const {
     return until_.contains(c) && until_.at(c) != 0 && until_.at(c) > tick(now);

@@ -7,7 +7,8 @@
 namespace g3d::nav {
 namespace {
 
-constexpr double kBeforeHit_m = 0.1;  // looked through up to here
+constexpr double kTeammateNoise_m = 0.10;  // of what is measured of a body
+constexpr double kBeforeHit_m = 0.1;       // looked through up to here
 
 enum class Known : std::uint8_t { no, lately, yes };
 
@@ -35,7 +36,7 @@ Passers::Passers(const CellGrid<CellState>& like, const PassersConfig& config)
       tracks_(config.tracks) {}
 
 void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
-                   const hal::PlanarPose& pose, hal::TimeNs now) {
+                   const hal::PlanarPose& pose, hal::TimeNs now, const TeamBodies* teammates) {
   const double cos_heading = std::cos(pose.heading_rad);
   const double sin_heading = std::sin(pose.heading_rad);
   const auto cell_at = [&](double x_m, double y_m) {
@@ -61,6 +62,10 @@ void Passers::look(const DepthScan& scan, const CellGrid<CellState>& states, con
     if (!ray.has_hit) continue;
     const Cell c = cell_at(ray.hit_x_m, ray.hit_y_m);
     if (!until_.contains(c)) continue;
+    if (teammates != nullptr &&
+        teammates->is_known_at(until_.centre_x_m(c), until_.centre_y_m(c), kTeammateNoise_m, now)) {
+      continue;
+    }
     const Known known = known_at(states, moved, c, now);
     is_somebody[i] = known == Known::no;
     came_lately[i] = known == Known::lately;

@@ -14,6 +14,7 @@
 #include "nav/depth_scan.hpp"
 #include "nav/moved_lately.hpp"
 #include "nav/passer_tracks.hpp"
+#include "nav/team_bodies.hpp"
 
 namespace g3d::nav {
 
@@ -28,9 +29,10 @@ class Passers {
  public:
   Passers(const CellGrid<CellState>& like, const PassersConfig& config);
 
-  /// `scan`: of a frame that was taken here. Allocates nothing.
+  /// `scan`: of a frame that was taken here. Teammates who have said that they are there are none who pass by.
+  /// Allocates nothing.
   void look(const DepthScan& scan, const CellGrid<CellState>& states, const MovedLately& moved,
-            const hal::PlanarPose& T_world_base, hal::TimeNs now);
+            const hal::PlanarPose& T_world_base, hal::TimeNs now, const TeamBodies* teammates = nullptr);
 
   /// Somebody is, or was lately, in this cell, or is about to walk through it. May lie outside: then false.
   [[nodiscard]] bool is_there(Cell c, hal::TimeNs now) const {

@@ -16,6 +16,7 @@ Robot::Robot(const RobotConfig& config, hal::Clock& clock)
       navigator_(mapper_.map().grid(), config.navigator),
       senses_({config.camera, config.T_base_camera, config.T_world_start, config.frame_watch}),
       placing_(config.align, config.camera, config.T_base_camera, mapper_.fit_card()),
+      body_mask_(config.camera, config.robot_height_m),
       loops_(config.loops ? std::make_unique<mapper::submaps::DrivingLoops>(
                                 mapper_.map(), config.camera, *config.loops,
                                 [this](const mapper::submaps::ChainMove& move) { placing_.correct(move); })
@@ -52,19 +53,21 @@ void Robot::on_line(hal::ByteLine& line, hal::TimeNs now) {
   if (navigator_.is_rear_free()) driver_.set_rear_free(now);
 }
 
-void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
+void Robot::on_frame(const hal::Frame& whole, hal::TimeNs now) {
   ++frames_.delivered;
-  Sight sight = senses_.look(frame, driver_.poses(), now);
-  if (sight.is_alive) driver_.set_camera_alive(frame.stamp_ns);
+  Sight sight = senses_.look(whole, driver_.poses(), now);
+  if (sight.is_alive) driver_.set_camera_alive(whole.stamp_ns);
   if (sight.refused) {
     drop(*sight.refused);
     return;
   }
-  if (moves_map(frame.stamp_ns, now)) {
+  if (moves_map(whole.stamp_ns, now)) {
     drop(hal::DropReason::map_moving);
     return;
   }
   const hal::TimeNs align_start_ns = clock_.now();
+  // Who drives about is no part of the building.
+  const hal::Frame& frame = body_mask_.without_bodies(whole, sight.T_world_camera, team_);
   placing_.place(frame, mapper_.map(), sight);
   align_times_.add(clock_.now() - align_start_ns);
   const hal::PlanarPose& base = sight.T_world_base;
@@ -87,7 +90,7 @@ void Robot::on_frame(const hal::Frame& frame, hal::TimeNs now) {
   } else {
     navigator_.on_map(shared_->map(), shared_->on_own(mapper_.map(), mapper_.changed_slots()), {}, now);
   }
-  navigator_.on_frame(frame, config_.camera, base, now);
+  navigator_.on_frame(whole, config_.camera, base, now);
   if (loops_ == nullptr) return;
   const hal::TimeNs loops_start_ns = clock_.now();
   loops_->add(frame, placing_.last(), placing_.aligner()->samples(), mapper_.changed_slots());

@@ -23,6 +23,7 @@
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
 #include "mapper/submaps/driving_loops.hpp"
+#include "nav/body_mask.hpp"
 #include "nav/live_status.hpp"
 #include "nav/navigator.hpp"
 #include "nav/placing.hpp"
@@ -67,7 +68,10 @@ class Robot {
   }
 
   /// See Navigator::on_team() and team_word().
-  void on_team(const TeamSight& sight, hal::TimeNs now) { navigator_.on_team(sight, now); }
+  void on_team(const TeamSight& sight, hal::TimeNs now) {
+    team_ = sight;
+    navigator_.on_team(sight, now);
+  }
   [[nodiscard]] TeamWord team_word(hal::TimeNs now) const { return navigator_.team_word(now); }
 
   /// For people who look on.
@@ -109,6 +113,8 @@ class Robot {
   Navigator navigator_;
   Senses senses_;
   Placing placing_;
+  TeamSight team_;
+  BodyMask body_mask_;
   std::unique_ptr<mapper::submaps::DrivingLoops> loops_;
   SharedSight* shared_ = nullptr;
   mapper::FrameCounts frames_;

@@ -12,6 +12,7 @@ constexpr double kSameThing_m = 1.0;     // touches this near to each other are 
 constexpr double kCarefulAbout_m = 0.7;  // a touch: panes are wide
 constexpr double kNearTouch_m = 1.8;
 constexpr double kSuspect_m = 0.65;  // where what is too near to be measured is taken to stand
+constexpr TimeNs kStandPeriod_ns = 250'000'000;
 constexpr double kTeammate_m = 0.2;  // so near to a teammate's body it is he who is touched
 constexpr std::size_t kMostTouches = 256;
 constexpr std::uint8_t kOwnWayCost = 250;
@@ -87,18 +88,18 @@ void Surroundings::on_map(const mapper::VoxelMap& map, std::span<const std::uint
 
 void Surroundings::on_frame(const hal::Frame& frame, const hal::CameraModel& camera,
                             const hal::PlanarPose& T_world_base, TimeNs now) {
-  near_watch_.look(frame, camera, ground_.states(), moved_, T_world_base, now);
+  const TeamBodies* const teammates = bodies_.empty() ? nullptr : &bodies_;
+  near_watch_.look(frame, camera, ground_.states(), moved_, T_world_base, now, teammates);
   has_frames_ = true;
   scan_.look(frame, camera);
   low_view_.look(ground_.states(), T_world_base, &scan_);
-  passers_.look(scan_, ground_.states(), moved_, T_world_base, now);
+  passers_.look(scan_, ground_.states(), moved_, T_world_base, now, teammates);
   steps_.look(frame, camera, ground_.states(), T_world_base);
   for (const std::uint32_t cell : steps_.changed_cells()) {
     const Cell c = ground_.states().cell(cell);
     ground_.mark_step(c, steps_.is_step(c));
   }
   take_over_changes();
-  if (!bodies_.empty()) let_bodies_stand(now);
 }
 
 void Surroundings::on_team(const TeamSight& sight, TimeNs now) {
@@ -108,6 +109,7 @@ void Surroundings::on_team(const TeamSight& sight, TimeNs now) {
 }
 
 void Surroundings::let_bodies_stand(TimeNs now) {
+  next_stand_ns_ = now + kStandPeriod_ns;
   bodies_.forget_gone(now, [this](double x_m, double y_m) { return passers_.looked_ns(x_m, y_m); });
   std::array<TeamCost::Body, kMostTeammates> standing;
   std::size_t count = 0;
@@ -120,7 +122,10 @@ void Surroundings::let_bodies_stand(TimeNs now) {
 
 void Surroundings::on_pose(const hal::PlanarPose& pose, TimeNs now) {
   now_ns_ = now;
-  if (!bodies_.empty()) bodies_.look_around(pose, now);
+  if (!bodies_.empty()) {
+    bodies_.look_around(pose, now);
+    if (now >= next_stand_ns_) let_bodies_stand(now);  // who falls silent stands
+  }
   if (!trace_.tread(pose)) return;
   here_ = pose;
   way_.tread({now, pose.x_m, pose.y_m});

@@ -125,6 +125,7 @@ class Surroundings final : public FloorKnowledge {
   FloorSteps steps_;
   TeamBodies bodies_;
   TeamCost team_cost_;
+  TimeNs next_stand_ns_ = 0;
   bool has_frames_ = false;  ///< else the map alone has to say where the camera looked
   TimeNs now_ns_ = 0;
   std::vector<Waypoint> touches_;

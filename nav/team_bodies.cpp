@@ -62,13 +62,24 @@ void TeamBodies::look_around(const hal::PlanarPose& here, hal::TimeNs now) {
   }
 }
 
+bool TeamBodies::is_at(const Teammate& mate, double x_m, double y_m, double gap_m, hal::TimeNs now) const {
+  const Waypoint at = place_at(mate, now, now);
+  const double reach_m = static_cast<double>(mate.radius_m) + doubt_m(mate, now) + gap_m;
+  return std::hypot(at.x_m - x_m, at.y_m - y_m) <= reach_m;
+}
+
 bool TeamBodies::is_near(double x_m, double y_m, double gap_m, hal::TimeNs now) const {
   for (std::size_t i = 0; i < sight_.count; ++i) {
     const Teammate& mate = sight_.mates[i];
     if (is_gone_[i] && !is_fresh(mate, now)) continue;
-    const Waypoint at = place_at(mate, now, now);
-    const double reach_m = static_cast<double>(mate.radius_m) + doubt_m(mate, now) + gap_m;
-    if (std::hypot(at.x_m - x_m, at.y_m - y_m) <= reach_m) return true;
+    if (is_at(mate, x_m, y_m, gap_m, now)) return true;
+  }
+  return false;
+}
+
+bool TeamBodies::is_known_at(double x_m, double y_m, double gap_m, hal::TimeNs now) const {
+  for (std::size_t i = 0; i < sight_.count; ++i) {
+    if (is_fresh(sight_.mates[i], now) && is_at(sight_.mates[i], x_m, y_m, gap_m, now)) return true;
   }
   return false;
 }

@@ -59,6 +59,9 @@ class TeamBodies {
   /// A body is within `gap_m` of here: what is felt or seen there is a robot, not the building.
   [[nodiscard]] bool is_near(double x_m, double y_m, double gap_m, hal::TimeNs now) const;
 
+  /// The same of those alone who have spoken lately: what is seen there needs no other explanation.
+  [[nodiscard]] bool is_known_at(double x_m, double y_m, double gap_m, hal::TimeNs now) const;
+
   /// Bodies that stay where they are, as far as anybody knows: visit(x_m, y_m, radius_m), doubt included.
   template <typename Visit>
   void for_standing(hal::TimeNs now, Visit&& visit) const {
@@ -77,6 +80,8 @@ class TeamBodies {
   static constexpr hal::TimeNs kLookedAfter_ns = 500'000'000;
   static constexpr double kAround_m = 2.5;
   static constexpr std::size_t kMostSteps = 10;  ///< discs that a body's next way is made of
+
+  [[nodiscard]] bool is_at(const Teammate& mate, double x_m, double y_m, double gap_m, hal::TimeNs now) const;
 
   struct Disc {
     double x_m = 0.0, y_m = 0.0;

@@ -14,8 +14,8 @@ using E = nav::MissionEvent;
 namespace {
 
 const std::vector<S> kStates{S::starting, S::exploring, S::returning, S::home, S::paused, S::stopped, S::needs_help};
-const std::vector<E> kEvents{E::looked_around, E::explored, E::battery_low, E::come_home, E::at_home,
-                             E::no_way_home,   E::lost,     E::pause,       E::resume,    E::stop};
+const std::vector<E> kEvents{E::looked_around, E::explored, E::battery_low, E::come_home, E::at_home, E::no_way_home,
+                             E::more_to_see,   E::lost,     E::pause,       E::resume,    E::stop};
 
 Mission mission_in(S state) {
   Mission m;
@@ -102,4 +102,13 @@ TEST_CASE("Only driving states let wheels turn, and every state has a name of it
     }
   }
   CHECK(names.size() == kStates.size());
+}
+
+TEST_CASE("On the way home it explores again if teammates have found more, and in no other state") {
+  Mission m = mission_in(S::returning);
+  CHECK(m.apply(E::more_to_see));
+  CHECK(m.state() == S::exploring);
+  for (const S state : kStates) {
+    if (state != S::returning) CHECK_FALSE(mission_in(state).apply(E::more_to_see));
+  }
 }

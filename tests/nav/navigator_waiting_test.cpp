@@ -79,3 +79,36 @@ TEST_CASE("three robots go to and fro through one door though words are late and
   CHECK(team.least_gap_m() > 0.01);
   CHECK(team.wall_contacts() == 0);
 }
+
+TEST_CASE("a robot that dies on the way is driven around for as long as it lies there", "[nav][navigator][team]") {
+  SmallTeam team(tests::walls_around({0, 0, 6, 3}), {-0.2, -0.2, 6.2, 3.2},
+                 {{{3.0, 1.5, kEast_rad}, {{5.4, 1.5, kEast_rad}, {3.0, 1.5, kWest_rad}}},
+                  {{0.6, 1.5, kEast_rad}, {{5.4, 1.6, kEast_rad}, {0.6, 1.4, kWest_rad}}}});
+  for (int i = 0; i < 50; ++i) team.step();
+  team.kill(0);
+  CHECK(team.run_until_each_reached(3, 120.0));
+  INFO("took " << team.time_s() << " s, gap " << team.least_gap_m());
+  CHECK(team.least_gap_m() > 0.0);
+  CHECK(team.errands(1).failed() == 0);
+}
+
+TEST_CASE("what a navigator tells of itself: its way, its claim, and that it stands", "[nav][navigator][team]") {
+  SmallTeam team(tests::walls_around({0, 0, 6, 3}), {-0.2, -0.2, 6.2, 3.2},
+                 {{{0.6, 1.5, kEast_rad}, {{5.4, 1.5, kEast_rad}, {0.6, 1.5, kWest_rad}}}});
+  while (team.time_s() < 4.0) team.step();
+  const nav::TeamWord word = team.navigator(0).team_word(0);
+  CHECK(word.is_moving);
+  REQUIRE(word.way_count >= 2);
+  const nav::WayPoint& end = word.way[word.way_count - 1];
+  CHECK(static_cast<double>(end.x_m) == Approx(5.4).margin(0.1));
+  CHECK(static_cast<double>(end.after_s) > 5.0);
+  // The first errand is told as a claim once the mission explores.
+  CHECK(word.goal.x_m == Approx(5.4));
+  CHECK(word.has_goal);
+  team.navigator(0).command(nav::MissionEvent::pause);
+  for (int i = 0; i < 100; ++i) team.step();
+  const nav::TeamWord paused = team.navigator(0).team_word(0);
+  CHECK_FALSE(paused.is_moving);
+  CHECK(paused.way_count == 1);
+  CHECK_FALSE(paused.has_goal);
+}

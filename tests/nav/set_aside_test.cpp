@@ -89,3 +89,28 @@ TEST_CASE("places rest with those near them") {
   for (int i = 0; i < 500; ++i) aside.place_failed({10 * i, 0}, i * kSecond);
   CHECK(aside.is_place_resting({4990, 0}, 1));
 }
+
+TEST_CASE("claims of teammates hide targets and take nothing else with them when they go") {
+  SetAside aside;
+  aside.reset(8, 3, 10.0);
+  CHECK_FALSE(aside.has_claims());
+  CHECK_FALSE(aside.forget_claims());
+  aside.exclude(1);
+  aside.claim(1);
+  aside.claim(2);
+  aside.claim(2);
+  aside.claim(3);
+  aside.unclaim(3);
+  CHECK(aside.ignored()[2] != 0);
+  CHECK(aside.ignored()[3] == 0);
+  aside.target_failed(2, SetAside::Cause::blocked, 0);
+  CHECK(aside.is_claimed(2));
+  aside.forgive_blocked();
+  CHECK(aside.is_claimed(2));
+  CHECK_FALSE(aside.wake_all());
+  CHECK(aside.ignored()[2] != 0);  // what others claim is not woken
+  CHECK(aside.forget_claims());
+  CHECK_FALSE(aside.has_claims());
+  CHECK(aside.ignored()[2] == 0);
+  CHECK(aside.is_excluded(1));
+}

@@ -32,7 +32,9 @@ class NewsBench {
     net::Peer* peer = members_.heard({robot, 1, robot}, now_ns_);
     REQUIRE(peer != nullptr);
     const net::VersionRanges had(upto);
-    const net::WantedLayer wanted{net::alias_of(net::LayerId{1, 1}), {had, had, had}};
+    net::WantedLayer wanted;
+    wanted.layer = net::alias_of(net::LayerId{1, 1});
+    wanted.had.fill(had);
     peer->out.on_want(store_, {0, news}, news_.next_sequence(), {&wanted, 1}, now_ns_);
   }
   bool next(StreamDatagram& datagram) { return took(news_.next(store_, members_, message_, now_ns_), datagram); }
