@@ -29,6 +29,7 @@
 #include "nav/robot.hpp"
 #include "net/map_sharing.hpp"
 #include "net/sim_radio.hpp"
+#include "net/team_frame.hpp"
 #include "net/team_report.hpp"
 #include "net/team_talk.hpp"
 #include "net/team_trouble.hpp"
@@ -196,8 +197,10 @@ class Team {
     });
     for (const auto& member : members_) {
       if (!member->is_alive()) continue;
-      if (member->talk.on_time(member->robot.team_word(now_ns_), member->state(), now_ns_)) {
-        member->robot.on_team(member->talk.sight(), now_ns_);
+      const hal::Pose& T_world_map = member->sharing.T_world_map();
+      const nav::TeamWord word = net::in_world(member->robot.team_word(now_ns_), T_world_map);
+      if (member->talk.on_time(word, member->state(), now_ns_)) {
+        member->robot.on_team(net::in_map(member->talk.sight(), T_world_map), now_ns_);
       }
       if (const auto* loops = member->robot.loops(); loops != nullptr && loops->is_chain_at_rest()) {
         member->sharing.publish_chain(loops->chain(), now_ns_);
