@@ -98,6 +98,7 @@ void add_network_options(CLI::App& command, LiveOptions& live) {
       .add_option("--peer", network.peers, "ADDRESS:PORT of another robot, where multicast does not go; several times")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--keep", network.keep, "Folder where the layers of the fleet's map survive a restart; or none");
   command
       .add_option("--settle", network.settle_s, "At the end, tell others what they lack for so many seconds at most")
       ->check(CLI::Range(0.0, 1e6));

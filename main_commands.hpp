@@ -80,8 +80,9 @@ struct NetworkOptions {
   std::optional<std::string> key;    ///< file, or none
   std::optional<std::string> robot;  ///< hexadecimal, or auto
   std::optional<int> port;
-  std::vector<std::string> peers;  ///< "10.0.0.2:7177"
-  std::optional<double> settle_s;  ///< at the end others are told what they lack for so long at most
+  std::vector<std::string> peers;   ///< "10.0.0.2:7177"
+  std::optional<std::string> keep;  ///< folder for what is to survive a restart, or none
+  std::optional<double> settle_s;   ///< at the end others are told what they lack for so long at most
 };
 
 struct LiveOptions {

@@ -51,16 +51,18 @@ hal::Pose T_world_map(const board::Board& board) {
 
 hal::Result<void> set_network(const NetworkOptions& options, board::Board& board) {
   if (options.key) board.network_key = *options.key;
+  if (options.keep) board.network_keep = *options.keep;
   if (options.robot) board.network_robot = *options.robot;
   if (options.port) board.network_port = *options.port;
   std::string peers;
   for (const std::string& peer : options.peers) peers += (peers.empty() ? "" : ",") + peer;
   if (!peers.empty()) board.network_peers = peers;
-  const bool says_more = options.robot || options.port || options.settle_s || !peers.empty();
+  const bool says_more = options.robot || options.port || options.settle_s || options.keep || !peers.empty();
   if (!has_fleet(board) && says_more) {
-    return hal::Error{hal::Reason::bad_usage,
-                      "--robot, --port, --peer and --settle are for robots of a fleet; give its --key FILE as well, or "
-                      "network.key in the board file"};
+    return hal::Error{
+        hal::Reason::bad_usage,
+        "--robot, --port, --peer, --keep and --settle are for robots of a fleet; give its --key FILE as well, or "
+        "network.key in the board file"};
   }
   return {};
 }
@@ -84,6 +86,7 @@ hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
   if (board.network_interface != "auto") plan.port.interface = board.network_interface;
   plan.port.peers = split_peers(board.network_peers);
 
+  if (board.network_keep != "none") plan.keep = board.network_keep;
   net::SharingThreadOptions& thread = plan.sharing;
   thread.has_map = has_map;
   thread.key_path = board.network_key;
@@ -119,11 +122,22 @@ hal::Result<std::unique_ptr<Fleet>> Fleet::open(FleetPlan plan, const mapper::Vo
     if (!opened) return opened.error();
     broker = std::move(opened).value();
   }
-  return std::unique_ptr<Fleet>(new Fleet(std::move(plan), std::move(port).value(), std::move(broker), own, clock));
+  std::unique_ptr<net::KeptLayers> kept;
+  if (!plan.keep.empty()) {
+    net::KeeperOptions keeper;
+    keeper.folder = plan.keep;
+    keeper.robot = plan.sharing.sharing.gossip.self.robot;
+    keeper.dropped = plan.keys.dropped;
+    auto opened = net::KeptLayers::open(keeper, plan.sharing.sharing.store);
+    if (!opened) return opened.error();
+    kept = std::move(opened).value();
+  }
+  return std::unique_ptr<Fleet>(
+      new Fleet(std::move(plan), std::move(port).value(), std::move(broker), std::move(kept), own, clock));
 }
 
 Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr<net::MqttPort> broker,
-             const mapper::VoxelMap& own, hal::Clock& clock)
+             std::unique_ptr<net::KeptLayers> kept, const mapper::VoxelMap& own, hal::Clock& clock)
     : clock_(clock), own_(own), port_(std::move(port)), broker_(std::move(broker)), mux_([&] {
         std::vector<net::PortMux::Branch> branches{{port_.get(), plan.radio_bandwidth_Bps}};
         if (broker_) branches.push_back({broker_.get(), plan.broker_bandwidth_Bps});
@@ -141,7 +155,16 @@ Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr
       fmt::print(stderr, "g3dmap: {}: the key of epoch {} is in use from now on\n", path, epoch);
     }
   };
-  thread_ = std::make_unique<net::SharingThread>(plan.sharing, std::move(plan.keys), parts);
+  thread_ = std::make_unique<net::SharingThread>(plan.sharing, std::move(plan.keys), parts, std::move(kept));
+}
+
+void Fleet::stop() {
+  thread_->stop();
+  const net::LayerKeeper* keeper = thread_->sharing().keeper();
+  if (keeper == nullptr) return;
+  if (const auto trouble = keeper->trouble()) {
+    fmt::print(stderr, "g3dmap: {}; what was not kept, other robots give back after the next start\n", trouble->text);
+  }
 }
 
 void Fleet::settle(double most_s, const std::function<bool()>& is_given_up) {
@@ -184,7 +207,9 @@ void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, doub
   };
   json.member("id", net::text_of_robot(status.self.robot)).member("merged_hash", merged_hash);
   json.key("sharing").begin_object().member("layer", net::text_of_layer(status.self));
-  json.member("key_epoch", status.epoch).member("rejected_key_files", status.rejected_keys);
+  json.member("keeps_layers", sharing.keeper() != nullptr)
+      .member("key_epoch", status.epoch)
+      .member("rejected_key_files", status.rejected_keys);
   json.member("layers", status.layers.size()).member("records", sharing.store().record_count());
   json.member("payload_bytes", sharing.store().payload_bytes());
   json.member("published_blocks", sharing.writer().counts().published_blocks);

@@ -35,20 +35,22 @@ struct FleetPlan {
   std::optional<net::MqttPortOptions> broker;
   double broker_bandwidth_Bps = 0.0;
   net::SharingThreadOptions sharing;
+  std::string keep;  ///< folder for what is to survive a restart; empty: nothing is
 };
 /// Reads the key, and the login for a broker. Errors: bad_usage, and those of these files.
 [[nodiscard]] hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map);
 
 class Fleet {
  public:
-  /// `own` and `clock` outlive this. Errors: those of the socket, and of MqttPort::open().
+  /// `own` and `clock` outlive this. Errors: those of the socket, of MqttPort::open(), and of the folder where layers
+  /// are kept.
   [[nodiscard]] static hal::Result<std::unique_ptr<Fleet>> open(FleetPlan plan, const mapper::VoxelMap& own,
                                                                 hal::Clock& clock);
 
   void start() { thread_->start(); }
   /// Goes on sharing until all that are in reach hold what we have, but no longer than so many seconds.
   void settle(double most_s, const std::function<bool()>& is_given_up);
-  void stop() { thread_->stop(); }
+  void stop();
 
   [[nodiscard]] net::SharingThread& thread() { return *thread_; }
   [[nodiscard]] const net::SharingThread& thread() const { return *thread_; }
@@ -63,7 +65,7 @@ class Fleet {
 
  private:
   Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr<net::MqttPort> broker,
-        const mapper::VoxelMap& own, hal::Clock& clock);
+        std::unique_ptr<net::KeptLayers> kept, const mapper::VoxelMap& own, hal::Clock& clock);
 
   hal::Clock& clock_;
   const mapper::VoxelMap& own_;

@@ -63,6 +63,7 @@ struct Board {
   std::string network_interface = "auto";  ///< that multicast goes through; "auto": every one that is up
   std::string network_peers = "none";      ///< addresses to find besides: "10.0.0.2:7177,10.0.0.3:7177"
   double network_bandwidth_kBps = 250.0;   ///< what it may send
+  std::string network_keep = "none";       ///< folder where the fleet's map survives a restart; "none": nowhere
   double network_x_m = 0.0;                ///< where its map's origin lies in the fleet's world ...
   double network_y_m = 0.0;
   double network_yaw_deg = 0.0;  ///< ... and how its x axis is turned there

@@ -48,13 +48,16 @@ MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& ow
   options_.refine->map = own.capacity();
 }
 
-void MapSharing::publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
-  placement_ = Placement::as_said(T_world_map, options_.gossip.self);
-  others_.place(T_world_map);
-  (void)writer_.publish_pose(T_world_map, now_ns);
-  if (options_.refine) {
-    refiner_ = std::make_unique<PoseRefiner>(*options_.refine, kept_->store, gossip_.own_layer(), T_world_map);
+bool MapSharing::publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns) {
+  if (!is_placed_) {
+    is_placed_ = true;
+    placement_ = Placement::as_said(T_world_map, options_.gossip.self);
+    others_.place(T_world_map);
+    if (options_.refine) {
+      refiner_ = std::make_unique<PoseRefiner>(*options_.refine, kept_->store, gossip_.own_layer(), T_world_map);
+    }
   }
+  return writer_.publish_pose(T_world_map, now_ns);
 }
 
 void MapSharing::drop(std::span<const RobotId> robots) {

@@ -50,8 +50,9 @@ class MapSharing {
   MapSharing(const SharingOptions& options, const mapper::VoxelMap& own, Link& link,
              std::unique_ptr<KeptLayers> kept = nullptr);
 
-  /// Where our map stands in the world, as it is said. Before others are heard.
-  void publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns);
+  /// Where our map stands in the world, as it is said. Before others are heard. False if that could not be published
+  /// now, as the disk has not reserved a version yet: once more then. What stands as it is, is published already.
+  bool publish_pose(const hal::Pose& T_world_map, hal::TimeNs now_ns);
   /// The same by now, refined if that is wanted. view().map() is in our map's frame, and so is others().
   [[nodiscard]] const hal::Pose& T_world_map() const { return placement_.T_world_map; }
   void note_changed(std::span<const std::uint32_t> slots) { writer_.note_changed(slots); }
@@ -102,6 +103,7 @@ class MapSharing {
   SharedView view_;
   std::unique_ptr<PoseRefiner> refiner_;
   Placement placement_;
+  bool is_placed_ = false;
   hal::TimeNs published_ns_ = 0;
   hal::TimeNs chain_published_ns_ = 0;
   std::uint64_t begun_submaps_ = 0;  ///< of the chain when what went ahead of it was looked through last

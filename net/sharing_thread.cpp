@@ -24,17 +24,24 @@ GateSettings gate_settings(const SharingThreadOptions& options) {
   return settings;
 }
 
+/// Who has written before goes on as the same.
+SharingThreadOptions as_kept(SharingThreadOptions options, const KeptLayers* kept) {
+  if (kept != nullptr && kept->keeper != nullptr) options.sharing.gossip.self = kept->keeper->self();
+  return options;
+}
+
 }  // namespace
 
-SharingThread::SharingThread(const SharingThreadOptions& options, FleetKey keys, const SharingParts& parts)
-    : options_(options),
+SharingThread::SharingThread(const SharingThreadOptions& options, FleetKey keys, const SharingParts& parts,
+                             std::unique_ptr<KeptLayers> kept)
+    : options_(as_kept(options, kept.get())),
       parts_(parts),
-      gate_(std::move(keys), gate_settings(options)),
+      gate_(std::move(keys), gate_settings(options_)),
       radio_(gate_, parts.port),
-      sharing_(options.sharing, parts.own, radio_),
+      sharing_(options_.sharing, parts.own, radio_, std::move(kept)),
       view_(parts.own) {
   if (!options.key_path.empty()) key_file_.emplace(options.key_path, options.key_period_ns);
-  if (options.has_map) sharing_.publish_pose(options.sharing.T_world_map, parts.clock.now());
+  sharing_.drop(gate_.keys().dropped);
 }
 
 SharingThread::~SharingThread() { stop(); }
@@ -58,11 +65,15 @@ void SharingThread::loop() {
     round_times_.add(parts_.clock.now() - now_ns);
   }
   tell(parts_.clock.now());
+  sharing_.close();
   cpu_ns_ = hal::thread_cpu_ns();
 }
 
 void SharingThread::round(hal::TimeNs now_ns) {
   look_at_key(now_ns);
+  if (options_.has_map && !has_told_pose_) {
+    has_told_pose_ = sharing_.publish_pose(options_.sharing.T_world_map, now_ns);
+  }
   (void)radio_.receive(
       now_ns, [&](const Sender& sender, mapper::ByteSpan message) { sharing_.on_message(sender, message, now_ns); });
   const std::span<const mapper::BlockKey> changed = sharing_.on_time_apart(now_ns);
@@ -77,7 +88,10 @@ void SharingThread::look_at_key(hal::TimeNs now_ns) {
   auto changed = key_file_->look(now_ns);
   if (!changed) return;
   const std::uint16_t before = gate_.keys().epoch;
-  if (changed->ok()) gate_.use_keys(std::move(*changed).value());
+  if (changed->ok()) {
+    gate_.use_keys(std::move(*changed).value());
+    sharing_.drop(gate_.keys().dropped);
+  }
   rejected_keys_.store(key_file_->rejected(), std::memory_order_relaxed);
   if (!parts_.on_key) return;
   if (!changed->ok()) {

@@ -72,14 +72,16 @@ struct SharingBrief {
 
 class SharingThread {
  public:
-  SharingThread(const SharingThreadOptions& options, FleetKey keys, const SharingParts& parts);
+  /// `kept`: what an earlier start has left, and where it goes on to be kept; nullptr: nowhere.
+  SharingThread(const SharingThreadOptions& options, FleetKey keys, const SharingParts& parts,
+                std::unique_ptr<KeptLayers> kept = nullptr);
   ~SharingThread();
   SharingThread(const SharingThread&) = delete;
   SharingThread& operator=(const SharingThread&) = delete;
 
   /// Once.
   void start();
-  /// Ends the thread. Once stopped it is not started again.
+  /// Ends the thread, after what is kept has gone to the disk. Once stopped it is not started again.
   void stop();
 
   /// The mapper's thread: these blocks of the own map have changed.
@@ -117,6 +119,7 @@ class SharingThread {
   MapSharing sharing_;
   LiveView view_;
   std::optional<KeyFileWatch> key_file_;
+  bool has_told_pose_ = false;
   std::atomic<std::uint64_t> rejected_keys_{0};
 
   std::atomic<Asking> asking_{Asking::nobody};  // whose turn it is with status_

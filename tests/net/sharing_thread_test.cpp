@@ -61,10 +61,11 @@ class ThreadedAir {
 
 struct SharingRobot {
   SharingRobot(ThreadedAir& air, const net::FleetKey& keys, std::uint64_t robot, bool has_map = true,
-               const std::string& key_path = {}, const hal::Pose& T_world_map = {})
+               const std::string& key_path = {}, const hal::Pose& T_world_map = {},
+               std::unique_ptr<net::KeptLayers> kept = nullptr)
       : own({0.1F}, kSharingCapacity),
         port(air.add()),
-        thread(options(robot, has_map, key_path, T_world_map), test::copy_of(keys), parts()) {}
+        thread(options(robot, has_map, key_path, T_world_map), test::copy_of(keys), parts(), std::move(kept)) {}
 
   static net::SharingThreadOptions options(std::uint64_t robot, bool has_map, const std::string& key_path,
                                            const hal::Pose& T_world_map) {
@@ -211,4 +212,42 @@ TEST_CASE("a key that is rotated on disk is taken over while robots run, and a b
   // It is found and gets the key after all.
   REQUIRE(net::write_fleet_key(of_b, keys));
   REQUIRE(a.becomes_true([&] { return a.thread.brief().read(brief) > 0 && brief.alive == 1; }));
+}
+
+TEST_CASE("a robot that keeps its layers goes on with them after a restart", "[net][threads]") {
+  const test::TempFolder folder;
+  const net::FleetKey keys = net::generate_fleet_key();
+  const auto kept_in = [&] {
+    net::KeeperOptions options;
+    options.folder = folder / "layers";
+    options.robot = 0xA1;
+    auto kept = net::KeptLayers::open(options, {8, 1U << 13, std::size_t{4} << 20});
+    REQUIRE(kept);
+    return std::move(kept).value();
+  };
+  ThreadedAir air;
+  net::LayerId self;
+  {
+    SharingRobot first(air, keys, 0xA1, true, {}, {}, kept_in());
+    first.thread.start();
+    for (mapper::BlockKey key = 1; key <= 20; ++key) first.see(key, 10);
+    net::SharingBrief brief;
+    REQUIRE(first.becomes_true([&] {
+      (void)first.thread.brief().read(brief);
+      return brief.records == 21;
+    }));
+    first.thread.stop();
+    self = first.thread.status().self;
+  }
+  SharingRobot again(air, keys, 0xA1, true, {}, {}, kept_in()), other(air, keys, 0xB2);
+  CHECK(again.thread.status().self == self);
+  CHECK(again.thread.sharing().store().record_count() == 21);
+  again.thread.start();
+  other.thread.start();
+  again.see(100, 12);
+  REQUIRE(other.becomes_true([&] {
+    (void)other.thread.view().take_news();
+    const mapper::VoxelMap& map = other.thread.view().map();
+    return map.find(100) != mapper::kNoSlot && map.find(1) != mapper::kNoSlot && map.find(20) != mapper::kNoSlot;
+  }));
 }
