@@ -149,6 +149,8 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
     fleet_ = std::move(opened).value();
     robot_->share(fleet_->thread().view(),
                   [this](std::span<const std::uint32_t> slots) { fleet_->thread().note_changed(slots); });
+    robot_->join_team(team_link_);
+    fleet_->speak_for(team_link_, robot_->status());
   }
   auto control = open_control(options_.staging, options_.mapping.out_dir, robot_->hotline(),
                               [this](std::string_view request) { return answer(request); });

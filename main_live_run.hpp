@@ -20,6 +20,7 @@
 #include "nav/coverage.hpp"
 #include "nav/exploration_report.hpp"
 #include "nav/robot_threads.hpp"
+#include "nav/team_link.hpp"
 
 namespace g3d {
 
@@ -112,6 +113,7 @@ class LiveRun {
   std::optional<hal::kobuki::LineGuard> guard_;
   NoCamera no_camera_;
   std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
+  nav::TeamLink team_link_;
   std::unique_ptr<nav::RobotThreads> robot_;
   std::unique_ptr<Fleet> fleet_;
   std::unique_ptr<hal::ControlSocket> control_;

@@ -155,7 +155,14 @@ Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr
       fmt::print(stderr, "g3dmap: {}: the key of epoch {} is in use from now on\n", path, epoch);
     }
   };
+  parts.on_round = [this](net::MapSharing& sharing, hal::TimeNs now_ns) {
+    if (team_ != nullptr) team_->on_round(sharing, now_ns);
+  };
   thread_ = std::make_unique<net::SharingThread>(plan.sharing, std::move(plan.keys), parts, std::move(kept));
+}
+
+void Fleet::speak_for(nav::TeamLink& link, const hal::Latest<nav::LiveStatus>& status) {
+  team_ = std::make_unique<net::TeamPart>(link, status, static_cast<float>(hal::kobuki::kBodyRadius_m));
 }
 
 void Fleet::stop() {

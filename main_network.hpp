@@ -19,6 +19,7 @@
 #include "net/mqtt_port.hpp"
 #include "net/port_mux.hpp"
 #include "net/sharing_thread.hpp"
+#include "net/team_part.hpp"
 #include "net/udp_port.hpp"
 
 namespace g3d {
@@ -47,6 +48,8 @@ class Fleet {
   [[nodiscard]] static hal::Result<std::unique_ptr<Fleet>> open(FleetPlan plan, const mapper::VoxelMap& own,
                                                                 hal::Clock& clock);
 
+  /// A robot's threads speak with the others of its team by way of this. All outlive it. Before start().
+  void speak_for(nav::TeamLink& link, const hal::Latest<nav::LiveStatus>& status);
   void start() { thread_->start(); }
   /// Goes on sharing until all that are in reach hold what we have, but no longer than so many seconds.
   void settle(double most_s, const std::function<bool()>& is_given_up);
@@ -72,6 +75,7 @@ class Fleet {
   std::unique_ptr<net::UdpPort> port_;
   std::unique_ptr<net::MqttPort> broker_;  ///< nullptr: none
   net::PortMux mux_;                       ///< of port_, then broker_
+  std::unique_ptr<net::TeamPart> team_;    ///< nullptr: a base station, which drives nowhere
   std::unique_ptr<net::SharingThread> thread_;
 };
 

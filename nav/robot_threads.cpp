@@ -11,6 +11,7 @@ namespace g3d::nav {
 namespace {
 
 constexpr std::size_t kPosesWaiting = 4096;  // more than two minutes of frames
+constexpr hal::TimeNs kTeamWordEvery_ns = 100'000'000;
 
 std::size_t frames_waiting(const RobotThreadsConfig& config) { return std::max<std::size_t>(config.frames_waiting, 1); }
 
@@ -60,6 +61,7 @@ RobotThreads::RobotThreads(const RobotThreadsConfig& config, const RobotParts& p
                                       [this](const mapper::submaps::ChainMove& move) { placing_.correct(move); })
                                 : nullptr),
       navigator_(mapper_.map().grid(), config.robot.navigator),
+      body_mask_(config.robot.camera, config.robot.robot_height_m),
       // Besides those that wait, the camera fills one and the mapper has one: so there is always one to be filled next.
       pool_(config.robot.camera, frames_waiting(config) + 2),
       to_mapper_(frames_waiting(config)),
@@ -147,7 +149,9 @@ void RobotThreads::mapper_loop() {
 }
 
 void RobotThreads::integrate(JudgedFrame& judged) {
-  const hal::Frame& frame = pool_[judged.frame_index];
+  const hal::Frame& whole = pool_[judged.frame_index];
+  if (team_ != nullptr) (void)team_->sight.read_newer(mapped_team_seen_, mapped_team_);
+  const hal::Frame& frame = body_mask_.without_bodies(whole, judged.sight.T_world_camera, mapped_team_);
   if (moves_map(frame.stamp_ns)) {
     drop(hal::DropReason::map_moving);
     return;
@@ -255,7 +259,15 @@ void RobotThreads::take_words(hal::TimeNs now) {
   }
 }
 
+void RobotThreads::talk_to_team(hal::TimeNs now) {
+  if (team_->sight.read_newer(team_sight_seen_, team_sight_)) navigator_.on_team(team_sight_, now);
+  if (now < next_team_word_ns_) return;
+  next_team_word_ns_ = now + kTeamWordEvery_ns;
+  team_->word.write(navigator_.team_word(now));
+}
+
 void RobotThreads::step(hal::TimeNs now) {
+  if (team_ != nullptr) talk_to_team(now);
   const hal::Twist wanted = navigator_.step(now);
   base_.set_command(wanted, now);
   if (navigator_.is_rear_free()) base_.set_rear_free(now);

@@ -33,12 +33,14 @@
 #include "mapper/report.hpp"
 #include "mapper/stage_times.hpp"
 #include "mapper/submaps/driving_loops.hpp"
+#include "nav/body_mask.hpp"
 #include "nav/hotline.hpp"
 #include "nav/navigator.hpp"
 #include "nav/placing.hpp"
 #include "nav/robot.hpp"
 #include "nav/senses.hpp"
 #include "nav/shared_sight.hpp"
+#include "nav/team_link.hpp"
 
 namespace g3d::nav {
 
@@ -82,6 +84,9 @@ class RobotThreads {
     shared_ = &shared;
     note_changed_ = std::move(note_changed);
   }
+  /// From now on it tells a team of itself, and goes by what that tells of the others. `link` outlives its threads.
+  /// Before start().
+  void join_team(TeamLink& link) { team_ = &link; }
   /// Once. It drives as soon as base and camera have proven themselves.
   void start();
   /// Zeros to the base first; then every frame under way goes into the map, and the threads end. Once stopped it is not
@@ -145,6 +150,7 @@ class RobotThreads {
   void take_map(hal::TimeNs now);
   void take_shared_map(hal::TimeNs now);
   void step(hal::TimeNs now);
+  void talk_to_team(hal::TimeNs now);
   void tell(hal::TimeNs now);
   void drop(hal::DropReason reason);
   [[nodiscard]] mapper::StageTimes& times(Stage stage) { return times_[static_cast<std::size_t>(stage)]; }
@@ -162,6 +168,14 @@ class RobotThreads {
   Navigator navigator_;
   SharedSight* shared_ = nullptr;
   std::function<void(std::span<const std::uint32_t>)> note_changed_;
+  // The team: what the mapper leaves out of the map, and what the navigator knows.
+  TeamLink* team_ = nullptr;
+  BodyMask body_mask_;
+  TeamSight mapped_team_;
+  std::uint64_t mapped_team_seen_ = 0;
+  TeamSight team_sight_;
+  std::uint64_t team_sight_seen_ = 0;
+  hal::TimeNs next_team_word_ns_ = 0;
 
   hal::FramePool pool_;
   hal::Ring<JudgedFrame> to_mapper_;
