@@ -130,7 +130,10 @@ TEST_CASE("robots see each other where they are, and where they will be", "[net]
 TEST_CASE("a leader sends elsewhere who would go to another one's place, and nobody else", "[net][team]") {
   TeamFleetOptions options = team_of(4, 0.0, 11);
   options.places = 100;
-  options.extent_m = 10.0;  // they are in each other's way
+  options.extent_m = 10.0;  // they are in each other's way,
+  options.talk.assignment.crowded_m = 5.0;
+  options.talk.assignment.crowded_s = 20.0;  // and that counts
+  options.talk.assignment.rank_s = 2.0;
   TeamFleet team(options);
   team.run(10 * kTalkSecond_ns);
   REQUIRE(team.is_settled());
@@ -149,7 +152,10 @@ TEST_CASE("a leader sends elsewhere who would go to another one's place, and nob
 TEST_CASE("orders of one who does not lead any more are void", "[net][team]") {
   TeamFleetOptions options = team_of(3, 0.0, 12);
   options.places = 100;
-  options.extent_m = 10.0;  // they are in each other's way
+  options.extent_m = 10.0;  // they are in each other's way,
+  options.talk.assignment.crowded_m = 5.0;
+  options.talk.assignment.crowded_s = 20.0;  // and that counts
+  options.talk.assignment.rank_s = 2.0;
   TeamFleet team(options);
   team.run(10 * kTalkSecond_ns);
   REQUIRE(team.talk(2).cluster().office().leader == 1);
