@@ -16,7 +16,10 @@ namespace {
 /// One who sends layer 1, and some who want it.
 class NewsBench {
  public:
-  explicit NewsBench(net::RobotId receivers) : members_(receivers, 4) {
+  explicit NewsBench(net::RobotId receivers)
+      : store_(net::StoreLimits{4, 5000, 2'000'000}), members_(receivers, 4, net::MembershipRule{}) {
+    const net::LayerId self{1, 1};
+    REQUIRE(store_.find_or_add(self) == 0);
     for (net::RobotId robot = 2; robot < 2 + receivers; ++robot) want(robot, 0);
   }
   void publish(Lane lane, std::size_t bytes, int records = 1) {
@@ -61,8 +64,7 @@ class NewsBench {
     return true;
   }
 
-  net::LayerStore store_{{4, 5000, 2'000'000}};
-  net::LayerIndex own_ = store_.find_or_add({1, 1});
+  net::LayerStore store_;
   net::Membership members_;
   net::NewsStream news_{16};
   net::MessageWriter message_;
