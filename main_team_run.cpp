@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hal/kobuki/line_guard.hpp"
 #include "main_say.hpp"
 #include "net/team_frame.hpp"
 
@@ -135,6 +136,8 @@ void Team::advance() {
     Member& member = *members_[death.robot];
     if (now_ns_ < death.at_ns || !member.is_alive()) continue;
     member.died_ns = now_ns_;
+    // Its program is gone, but the guard beside it says stop: see LineGuard.
+    (void)building_.line(member.number).write(hal::kobuki::kZeroSpeedPacket);
     radio_.forget(death.robot);
   }
   for (const auto& member : members_) {

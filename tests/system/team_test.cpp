@@ -86,7 +86,6 @@ TEST_CASE("what does not go with several robots is said so", "[system][team]") {
     CHECK(result.exit_code == 2);
     CHECK(result.err.find(why) != std::string::npos);
   };
-  refused({"--odometry", "aligned", "--loops"}, "--loops");
   refused({"--rate", "1"}, "--rate");
   refused({"--at", "3:pause"}, "--at");
   refused({"--loss", "1.5"}, "--loss");
