@@ -112,8 +112,8 @@ TEST_CASE("a thousand schedules", "[net][gossip][slow]") {
   for (std::uint64_t seed = 51; seed <= 1050; ++seed) check_schedule(seed);
 }
 
-TEST_CASE("a thousand schedules of robots that keep their disks", "[net][gossip][slow]") {
-  for (std::uint64_t seed = 51; seed <= 1050; ++seed) check_schedule(seed, true);
+TEST_CASE("schedules of robots that keep their disks", "[net][gossip][slow]") {
+  for (std::uint64_t seed = 51; seed <= 200; ++seed) check_schedule(seed, true);
 }
 
 TEST_CASE("a hundred thousand schedules of robots that keep their disks", "[net][gossip][.soak]") {
