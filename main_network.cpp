@@ -17,6 +17,7 @@
 namespace g3d {
 namespace {
 
+constexpr std::size_t kMostFleetSubmaps = 64;
 constexpr hal::TimeNs kFleetLook_ns = 50'000'000;
 /// So often in a row all have to hold the same: by then they have heard it from us as well.
 constexpr int kFleetSettled = 3;
@@ -104,11 +105,14 @@ hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
   // Each way has its own limit besides.
   sharing.gossip.bandwidth_Bps = plan.radio_bandwidth_Bps + plan.broker_bandwidth_Bps;
   sharing.T_world_map = T_world_map(board);
+  // Every start with --keep begins a submap.
+  sharing.most_submaps = kMostFleetSubmaps;
+  // The board says where the map begins as well as somebody has measured it.
+  if (has_map) sharing.refine.emplace();
   if (!has_map) {
     // It has nothing else to do with its memory, and must not be the one that forgets.
     sharing.store.records *= 4;
     sharing.store.payload_bytes *= 8;
-    sharing.most_submaps = 64;
   }
   return plan;
 }
