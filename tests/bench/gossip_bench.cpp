@@ -217,13 +217,13 @@ void plot(const std::vector<Scale>& scales, const std::string& path) {
     most_s = std::max(most_s, std::ceil(scale.equal_s));
   }
   chart(
-      90, "KB/S SENT, EACH", most_kBps, [](const Scale& s) { return s.sent_kBps; }, kSent);
+      90, "kb/s sent by each", most_kBps, [](const Scale& s) { return s.sent_kBps; }, kSent);
   chart(
       90, "", most_kBps, [](const Scale& s) { return s.content_kBps; }, kContent);
-  canvas.text(300, 20, "OWN CONTENT", kContent, 1);
+  canvas.text(320, 27, "own content", kContent, 1);
   chart(
-      540, "S UNTIL ALL ARE EQUAL", most_s, [](const Scale& s) { return s.equal_s; }, kSent);
-  canvas.text(kWidth_px / 2 - 30, kHeight_px - 22, "ROBOTS", kInk);
+      540, "s until all are equal", most_s, [](const Scale& s) { return s.equal_s; }, kSent);
+  canvas.text(kWidth_px / 2 - 30, kHeight_px - 22, "robots", kInk);
   if (const auto written = hal::write_png_rgb(path, canvas.size(), canvas.rgb()); !written.ok()) {
     fmt::print("{}\n", written.error().text);
   }
