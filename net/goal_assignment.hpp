@@ -26,14 +26,14 @@ struct Bidder {
 };
 
 struct AssignmentRule {
-  double same_m = 0.75;     ///< nearer to each other: the same place
-  double apart_m = 1.5;     ///< no two robots nearer than this
-  double crowded_m = 4.0;   ///< two that are nearer disturb each other,
-  double crowded_s = 3.0;   ///< and lose so much time if they are at one place
-  double rank_s = 12.0;     ///< that a robot loses by taking its second choice, twice that its third
-  double gain_s = 4.0;      ///< that a place is worth which shows twice as much
-  double kept_s = 5.0;      ///< that it takes to turn round
-  double idle_s = 200.0;    ///< that a robot without a place loses
+  double same_m = 0.75;    ///< nearer to each other: the same place
+  double apart_m = 1.5;    ///< no two robots nearer than this
+  double crowded_m = 4.0;  ///< two that are nearer disturb each other,
+  double crowded_s = 3.0;  ///< and lose so much time if they are at one place
+  double rank_s = 12.0;    ///< that a robot loses by taking its second choice, twice that its third
+  double gain_s = 4.0;     ///< that a place is worth which shows twice as much
+  double kept_s = 5.0;     ///< that it takes to turn round
+  double idle_s = 200.0;   ///< that a robot without a place loses
   std::uint32_t most_steps = 4'000;
 };
 
