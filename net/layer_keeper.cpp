@@ -253,7 +253,7 @@ void LayerKeeper::begin_journal(hal::TimeNs now_ns) {
   begun_ns_ = now_ns;
   new_has_lost_ = false;
   is_due_ = false;
-  walk_.emplace();
+  walk_ = Walk{};
 }
 
 bool LayerKeeper::add_records(LayerIndex layer) {
