@@ -109,7 +109,9 @@ TEST_CASE("who has nothing but what another one gets, gets nothing", "[net][assi
 
 TEST_CASE("of places that are as far the one apart from the other robot's is taken", "[net][assignment]") {
   const Bids bids{{{place(10, 0, 20)}, {place(8, 0, 20), place(-8, 0, 20)}}};
-  GoalAssignment assignment({});
+  AssignmentRule rule;
+  rule.rank_s = 0.0;  // neither is dearer to it
+  GoalAssignment assignment(rule);
   CHECK(assignment.assign(bids.bidders())[1] == 1);
 }
 
