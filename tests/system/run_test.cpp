@@ -137,7 +137,7 @@ TEST_CASE("what is wrong with a board or an option is said before anything moves
   };
   CHECK(run_g3dmap({"run"}).exit_code == 2);
   CHECK(contains(run_g3dmap({"run", "--board", folder / "none.toml"}).err, "none.toml"));
-  expect("[base]\nline = \"ttyUSB0\"\n", {}, 1, "base.line must be sim, auto, or the whole path");
+  expect("[base]\nline = \"ttyUSB0\"\n", {}, 1, "base.line must be sim, auto, none, or the whole path");
   expect("[base]\nline = \"/dev/none\"\n", {}, 2, "do not go together");
   expect("[camera]\nsource = \"none\"\n", {}, 2, "do not go together");
   expect("[base]\nline = \"/dev/none\"\n[camera]\nsource = \"none\"\n", {}, 1, "/dev/none: no such port");
