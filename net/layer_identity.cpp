@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sodium.h>
 #include <unistd.h>
 
 #include <array>
@@ -93,12 +92,6 @@ hal::Result<void> write_layer_identity(const std::string& path, const LayerIdent
   if (!file) return file.error();
   const hal::Result<void> written = file.value().write(format_layer_identity(identity));
   return written ? file.value().commit() : written;
-}
-
-std::uint32_t random_incarnation() {
-  std::uint32_t number = 0;
-  while (sodium_init() < 0 || number == 0) number = randombytes_random();
-  return number;
 }
 
 }  // namespace g3d::net

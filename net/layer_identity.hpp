@@ -35,7 +35,4 @@ struct LayerIdentity {
 /// Returns once it survives a power cut.
 [[nodiscard]] hal::Result<void> write_layer_identity(const std::string& path, const LayerIdentity& identity);
 
-/// A number that no start of any robot had before, but for one chance in four thousand million.
-[[nodiscard]] std::uint32_t random_incarnation();
-
 }  // namespace g3d::net

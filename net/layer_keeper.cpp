@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <filesystem>
 
+#include "net/robot_identity.hpp"
+
 namespace g3d::net {
 namespace {
 
@@ -110,7 +112,7 @@ void LayerKeeper::take_identity() {
   }
   // Nobody will go on with this layer unless the disk has taken its name; then it has taken the versions as well.
   do {
-    identity_ = {{options_.robot, random_incarnation()}, options_.reserve};
+    identity_ = {{options_.robot, fresh_incarnation()}, options_.reserve};
   } while (store_.find(identity_.self) != kNoLayer);
   restored_upto_ = 0;
   first_submap_ = 0;

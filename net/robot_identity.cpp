@@ -65,7 +65,7 @@ hal::Result<RobotId> machine_robot_id(const MachineFiles& files) {
 
 std::uint32_t fresh_incarnation() {
   std::uint32_t incarnation = 0;
-  while (incarnation == 0) randombytes_buf(&incarnation, sizeof incarnation);
+  while (sodium_init() < 0 || incarnation == 0) incarnation = randombytes_random();
   return incarnation;
 }
 

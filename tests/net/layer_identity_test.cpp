@@ -40,8 +40,3 @@ TEST_CASE("a counter that lost or changed a byte is none", "[net]") {
   const std::string far = net::format_layer_identity({{1, 1}, net::kMostVersion + 1});
   CHECK(net::parse_layer_identity(far, "f").error().reason == hal::Reason::malformed);
 }
-
-TEST_CASE("incarnations are not repeated", "[net]") {
-  CHECK(net::random_incarnation() != net::random_incarnation());
-  CHECK(net::random_incarnation() != 0);
-}
