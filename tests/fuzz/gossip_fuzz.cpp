@@ -29,12 +29,14 @@ class Listener final : public Link {
  public:
   bool send(Address to, ByteSpan message) override {
     static LayerList layers;
-    static PositionList positions;
+    static WantedList wanted;
     static SketchAnswer answer;
     static IdAsk ids;
     check(!message.empty() && message.size() <= kMostMessage_bytes);
     std::uint64_t digest = 0;
-    std::uint32_t number = 0;
+    std::uint16_t number = 0;
+    SeenNumbers seen;
+    std::optional<SeenNumbers> told;
     bool wants = false;
     SketchAsk ask;
     MessageFault fault = MessageFault::unknown_kind;
@@ -47,8 +49,15 @@ class Listener final : public Link {
         fault = read_vector(message, wants, layers);
         break;
       case static_cast<std::uint8_t>(MessageKind::want):
-        fault = read_want(message, number, positions);
+        fault = read_want(message, seen, wanted);
         break;
+      case static_cast<std::uint8_t>(MessageKind::wants):
+        check(to == kEverybody);
+        fault = read_wants(message, alias_of(RobotId{2}), told, wanted);
+        break;
+      case static_cast<std::uint8_t>(MessageKind::news):
+        check(to == kEverybody);
+        [[fallthrough]];
       case static_cast<std::uint8_t>(MessageKind::data):
         fault = read_data(message, number, nullptr);
         break;
