@@ -2,7 +2,6 @@
 #include "net/map_sharing.hpp"
 
 #include <cassert>
-
 #include <utility>
 
 namespace g3d::net {
