@@ -2,6 +2,7 @@
 #include "net/reconciler.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace g3d::net {
@@ -80,10 +81,17 @@ MessageFault Reconciler::on_message(RobotId from, mapper::ByteSpan message, hal:
   return MessageFault::unknown_kind;
 }
 
-void Reconciler::make_symbols(LayerIndex layer, const SketchSalt& salt, std::uint32_t first,
-                              std::span<SketchSymbol> symbols) {
-  SketchEncoder encoder(salt, first, symbols);
-  store_.for_each(layer, [&](const StoredRecord& record) { encoder.add(sketch_id(salt, record.key, record.version)); });
+// Most often one lacks what the other has, and nothing else: then the counts of records tell the difference, which
+// takes at least 1.3 symbols each. From there on, or where the counts tell nothing, in steps that are small beside what
+// there is: a symbol too many is one that is paid for.
+std::uint32_t Reconciler::next_wanted() const {
+  const std::int64_t ours = store_.record_count(open_->layer), theirs = answer_.sketch.header.items;
+  const auto least_differences = static_cast<std::uint64_t>(std::abs(theirs - ours));
+  const std::uint32_t wanted = open_->wanted_symbols;
+  const std::uint32_t step = std::max(least_differences > 0 ? 1U : 2U, wanted / 24);
+  const std::uint64_t least_symbols = least_differences + least_differences * 3 / 10;
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(std::max<std::uint64_t>(wanted + step, least_symbols), decoder_.most_symbols()));
 }
 
 // --- answering
@@ -92,9 +100,8 @@ MessageFault Reconciler::on_sketch_ask(RobotId from, mapper::ByteSpan message) {
   SketchAsk ask;
   if (const MessageFault fault = read_sketch_ask(message, ask); fault != MessageFault::none) return fault;
   const LayerIndex layer = store_.find(ask.layer);
-  if (layer == kNoLayer || ask.count > symbols_.size()) return MessageFault::none;
-  const std::span<SketchSymbol> symbols = std::span(symbols_).first(ask.count);
-  make_symbols(layer, ask.salt, ask.first, symbols);
+  if (layer == kNoLayer || ask.count > kMostSymbolsPerMessage) return MessageFault::none;
+  const std::span<const SketchSymbol> symbols = answering_.symbols(store_, layer, ask.salt, ask.first, ask.count);
   LayerPosition position{ask.layer, {}};
   for (const Lane lane : kAllLanes) position.had[static_cast<std::size_t>(lane)] = store_.had(layer, lane);
   const SketchHeader header{ask.salt, ask.first, store_.record_count(layer)};
@@ -142,8 +149,8 @@ MessageFault Reconciler::on_sketch(RobotId from, mapper::ByteSpan message, hal::
   open_->their_position = answer_.position;
   open_->heard_ns = now_ns;
   const std::span<const SketchSymbol> theirs = answer_.sketch.used();
-  const std::span<SketchSymbol> ours = std::span(symbols_).first(theirs.size());
-  make_symbols(open_->layer, open_->salt, answer_.sketch.header.first, ours);
+  const std::span<const SketchSymbol> ours = asking_.symbols(
+      store_, open_->layer, open_->salt, answer_.sketch.header.first, static_cast<std::uint32_t>(theirs.size()));
   switch (decoder_.add(answer_.sketch.header.first, ours, theirs)) {
     case SketchState::wants_symbols:
       if (decoder_.taken_symbols() >= open_->wanted_symbols) {
@@ -151,8 +158,7 @@ MessageFault Reconciler::on_sketch(RobotId from, mapper::ByteSpan message, hal::
           refuse();
           return MessageFault::none;
         }
-        const std::uint32_t more = std::max(8U, open_->wanted_symbols / 8);
-        open_->wanted_symbols = std::min(open_->wanted_symbols + more, decoder_.most_symbols());
+        open_->wanted_symbols = next_wanted();
         ask(now_ns);
       }
       return MessageFault::none;

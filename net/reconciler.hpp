@@ -21,12 +21,14 @@
 #include "net/layer_store.hpp"
 #include "net/membership.hpp"
 #include "net/reconcile_message.hpp"
+#include "net/sketch_cache.hpp"
 
 namespace g3d::net {
 
 struct ReconcilerOptions {
   std::uint32_t most_differences = 8192;
-  std::uint32_t first_symbols = 16;        ///< asked for at first; then an eighth more each time
+  std::uint32_t first_symbols =
+      1;  ///< asked for at first: it tells how many records the other one has, see next_wanted
   hal::TimeNs ask_again_ns = 250'000'000;  ///< where an answer is missing
   hal::TimeNs give_up_ns = 5'000'000'000;  ///< without anything new
   std::uint64_t seed = 0;
@@ -97,7 +99,7 @@ class Reconciler {
   }
   void refuse();
   void end_equal();
-  void make_symbols(LayerIndex layer, const SketchSalt& salt, std::uint32_t first, std::span<SketchSymbol> symbols);
+  [[nodiscard]] std::uint32_t next_wanted() const;
   void take_record(const LooseRecord& record, hal::TimeNs now_ns);
 
   ReconcilerOptions options_;
@@ -112,7 +114,7 @@ class Reconciler {
   WireWriter out_;
   SketchAnswer answer_;
   IdAsk ids_;
-  std::array<SketchSymbol, kMostSymbolsPerMessage> symbols_{};
+  SketchCache asking_, answering_;
 };
 
 }  // namespace g3d::net
