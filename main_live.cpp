@@ -74,6 +74,9 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   note(robot.pool_full_frames(), "frames found the map's memory full; raise --memory");
   note(robot.lost_poses(), "poses are missing in trajectory.tum: writing it was too slow");
   note(live.unrecorded_bytes(), "bytes of the base are missing in kobuki.bin: the disk was too slow, or full");
+  if (live.fleet() != nullptr) {
+    if (std::string warning = live.fleet()->warning(); !warning.empty()) report.notes.push_back(std::move(warning));
+  }
   if (live.building_late_s() > 0.1) {
     report.notes.push_back(fmt::format("this machine was too busy: the simulated building was up to {:.0f} ms late",
                                        1e3 * live.building_late_s()));

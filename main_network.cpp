@@ -210,6 +210,14 @@ std::unique_ptr<net::MergedMap> Fleet::whole_map() const {
   return merged;
 }
 
+std::string Fleet::warning() const {
+  const std::size_t others = net::layers_of_other_grids(thread_->status());
+  if (others == 0) return {};
+  return fmt::format(
+      "{} layers of other robots have voxels of another size and are not merged; give all robots one map.resolution_m",
+      others);
+}
+
 void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, double run_s) const {
   const net::MapSharing& sharing = thread_->sharing();
   const net::FleetStatus status = thread_->status();
@@ -221,6 +229,7 @@ void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, doub
   json.member("keeps_layers", sharing.keeper() != nullptr)
       .member("key_epoch", status.epoch)
       .member("rejected_key_files", status.rejected_keys);
+  json.member("layers_of_another_resolution", net::layers_of_other_grids(status));
   json.member("layers", status.layers.size()).member("records", sharing.store().record_count());
   json.member("payload_bytes", sharing.store().payload_bytes());
   json.member("published_blocks", sharing.writer().counts().published_blocks);

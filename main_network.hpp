@@ -63,6 +63,8 @@ class Fleet {
   // After stop()
   /// The map of all layers, our own included, in the fleet's world.
   [[nodiscard]] std::unique_ptr<net::MergedMap> whole_map() const;
+  /// What a person should know of it; empty: nothing.
+  [[nodiscard]] std::string warning() const;
   /// Writes "id", "merged_hash", and the objects "sharing" and "robots".
   void write(mapper::JsonWriter& json, const std::string& merged_hash, double run_s) const;
 

@@ -191,6 +191,7 @@ mapper::RunReport make_report(const Station& station, const mapper::VoxelMap& me
   report.version = mapper::version();
   report.board = board.name;
   if (station.saves() > 0) report.notes.push_back(fmt::format("the map was saved {} times meanwhile", station.saves()));
+  if (std::string warning = station.fleet().warning(); !warning.empty()) report.notes.push_back(std::move(warning));
   if (!station.first_save_error().empty()) {
     report.notes.push_back("the map could not be saved meanwhile: " + station.first_save_error());
   }

@@ -67,7 +67,8 @@ void ChainWriter::look_at(const SubmapChain& chain) {
 }
 
 bool ChainWriter::publish_pose(const Told& told, const Submap& submap, const Placement& placement, std::size_t& bytes) {
-  const PlacementPayload payload(placement, hal::compose(placement.T_world_map, submap.T_world_stored));
+  const PlacementPayload payload(placement, hal::compose(placement.T_world_map, submap.T_world_stored),
+                                 grid_.resolution_m);
   if (is_published(pose_record(told.number), payload.bytes())) return true;
   if (!gossip_.publish(pose_record(told.number), Lane::ground, payload.bytes())) return false;
   bytes += payload.bytes().size();

@@ -31,9 +31,9 @@ struct ChainCounts {
 
 class ChainWriter {
  public:
-  /// `gossip` and `store` outlive this.
-  ChainWriter(Gossip& gossip, const LayerStore& store, const GroundBand& band = {})
-      : gossip_(gossip), store_(store), band_(band) {}
+  /// `gossip` and `store` outlive this. `grid`: of all submaps.
+  ChainWriter(Gossip& gossip, const LayerStore& store, const mapper::Grid& grid, const GroundBand& band = {})
+      : gossip_(gossip), store_(store), grid_(grid), band_(band) {}
 
   /// One round: poses that have changed, then blocks, the oldest submap's first, until more than so many bytes are
   /// published. Returns how many bytes.
@@ -69,6 +69,7 @@ class ChainWriter {
 
   Gossip& gossip_;
   const LayerStore& store_;
+  mapper::Grid grid_;
   GroundBand band_;
   std::vector<Told> told_;  ///< by number, ascending
   std::uint32_t next_number_ = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 
 #include "mapper/json_writer.hpp"
 #include "mapper/summary.hpp"
@@ -82,6 +83,13 @@ std::string lacking_text(const PeerLayerStatus& layer) {
   return text + (layer.is_ahead ? ", has newer ones" : "");
 }
 
+bool is_of_another_grid(const LayerStatus& layer, const FleetStatus& status) {
+  return layer.resolution_m && *layer.resolution_m != status.resolution_m;
+}
+
+/// 0.05 as 0.05, not as what is nearest to it in twice as many bits.
+double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
 }  // namespace
 
 FleetStatus fleet_status(const MapSharing& sharing, const DatagramGate& gate, const FleetRadio& radio,
@@ -89,11 +97,12 @@ FleetStatus fleet_status(const MapSharing& sharing, const DatagramGate& gate, co
   FleetStatus status;
   const LayerStore& store = sharing.store();
   status.self = sharing.gossip().options().self;
+  status.resolution_m = sharing.others().map().grid().resolution_m;
   status.digest = store.digest();
   status.bytes = store.payload_bytes();
   for (LayerIndex layer = 0; layer < store.layer_count(); ++layer) {
-    status.layers.push_back(
-        {store.id(layer), lowest_of(store.upto(layer)), store.highest(layer), store.record_count(layer)});
+    status.layers.push_back({store.id(layer), lowest_of(store.upto(layer)), store.highest(layer),
+                             store.record_count(layer), resolution_of(store, layer)});
   }
   std::uint32_t left = kMostCountedRecords;
   for (const Peer& peer : sharing.gossip().members().all()) {
@@ -109,6 +118,11 @@ FleetStatus fleet_status(const MapSharing& sharing, const DatagramGate& gate, co
   status.radio = radio.counts();
   status.gossip = sharing.gossip().counts();
   return status;
+}
+
+std::size_t layers_of_other_grids(const FleetStatus& status) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      status.layers, [&](const LayerStatus& layer) { return is_of_another_grid(layer, status); }));
 }
 
 const char* to_string(PeerState state) {
@@ -134,7 +148,9 @@ std::string to_json(const FleetStatus& status) {
   json.member("bytes", status.bytes).key("layers").begin_array();
   for (const LayerStatus& layer : status.layers) {
     json.begin_object().member("layer", text_of_layer(layer.id)).member("upto", layer.upto);
-    json.member("highest", layer.highest).member("records", layer.records).end_object();
+    json.member("highest", layer.highest).member("records", layer.records);
+    if (is_of_another_grid(layer, status)) json.member("other_resolution_m", shortest(*layer.resolution_m));
+    json.end_object();
   }
   json.end_array().key("robots").begin_array();
   for (const PeerStatus& peer : status.peers) {
@@ -174,6 +190,11 @@ std::string to_text(const FleetStatus& status) {
   for (const LayerStatus& layer : status.layers) {
     fmt::format_to(out, "  {} {:>9} {:>9} {:>9}{}\n", text_of_layer(layer.id), layer.upto, layer.highest, layer.records,
                    layer.id == status.self ? "  its own" : "");
+    if (is_of_another_grid(layer, status)) {
+      fmt::format_to(out,
+                     "    its voxels are {} m, ours {} m: it is not merged; give all robots one map.resolution_m\n",
+                     *layer.resolution_m, status.resolution_m);
+    }
   }
   std::size_t lines = 0;
   std::size_t left_out = 0;

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct LayerStatus {
   Version upto = 0;     ///< everything up to here, in all its lanes
   Version highest = 0;  ///< the newest that is here, gaps before it or not
   std::uint32_t records = 0;
+  std::optional<float> resolution_m = std::nullopt;  ///< edge of its voxels; none: it has not said where it stands yet
 };
 
 /// What another robot is known to have of it.
@@ -46,6 +48,7 @@ struct PeerStatus {
 
 struct FleetStatus {
   LayerId self;
+  float resolution_m = 0.0F;  ///< of our own map; layers of another one are passed on, but not merged
   std::uint64_t digest = 0;
   std::uint64_t bytes = 0;  ///< of all records that are held, as they travel
   std::vector<LayerStatus> layers;
@@ -65,6 +68,8 @@ inline constexpr std::uint32_t kMostCountedRecords = 50'000;
 
 [[nodiscard]] FleetStatus fleet_status(const MapSharing& sharing, const DatagramGate& gate, const FleetRadio& radio,
                                        std::uint64_t rejected_keys, hal::TimeNs now_ns);
+/// Layers that are not merged, as their voxels have another size.
+[[nodiscard]] std::size_t layers_of_other_grids(const FleetStatus& status);
 [[nodiscard]] const char* to_string(PeerState state);
 /// At most kMostStatus_bytes: of a large fleet some robots' layers are left out, and it says how many.
 inline constexpr std::size_t kMostStatus_bytes = 128 * 1024;

@@ -36,7 +36,7 @@ LayerWriter::LayerWriter(const mapper::VoxelMap& map, Gossip& gossip, const Laye
 }
 
 bool LayerWriter::publish_placement(const Placement& placement, hal::TimeNs now_ns) {
-  const PlacementPayload payload(placement, placement.T_world_map);
+  const PlacementPayload payload(placement, placement.T_world_map, map_.grid().resolution_m);
   if (is_published(pose_record(submap_), payload.bytes())) return true;
   if (!gossip_.publish(pose_record(submap_), Lane::ground, payload.bytes())) return false;
   gossip_.commit(now_ns);

@@ -37,7 +37,7 @@ MapSharing::MapSharing(const SharingOptions& options, const mapper::VoxelMap& ow
       options_(kept_options(options, keeper())),
       gossip_(options_.gossip, kept_->store, link),
       writer_(own, gossip_, kept_->store, options.band, options.is_chain ? kAheadOfChain : first_submap()),
-      chain_writer_(gossip_, kept_->store, options.band),
+      chain_writer_(gossip_, kept_->store, own.grid(), options.band),
       others_(others_options(options_, own, first_submap())),
       view_(own, others_.map()) {
   assert(!(options_.is_chain && keeper() != nullptr) && "a chain numbers its submaps from 0");

@@ -110,16 +110,20 @@ void MergedMap::take_pose(const LayerStore& store, LayerIndex layer, std::uint32
   Submap* submap = submap_of(store, layer, number);
   const auto record = store.find_record(layer, pose_record(number));
   if (submap == nullptr || !record) return;
-  hal::Pose T_world_submap;
-  if (!read_pose_payload(payload_of(store, *record), T_world_submap)) {
+  const std::optional<PlacedSubmap> placed = read_pose_payload(payload_of(store, *record));
+  if (!placed) {
     ++counts_.bad_payloads;
+    return;
+  }
+  if (placed->resolution_m != options_.grid.resolution_m) {
+    ++counts_.other_grids;
     return;
   }
   if (submap->sampler) {
     add_due(*submap, keys_of(*submap->map));
     ++counts_.moved_submaps;
   }
-  submap->T_world_submap = T_world_submap;
+  submap->T_world_submap = placed->T_world_submap;
   look_from_there(*submap);
 }
 

@@ -41,6 +41,7 @@ struct MergedCounts {
   std::uint64_t moved_submaps = 0;    ///< times a pose has changed
   std::uint64_t dropped_submaps = 0;  ///< of robots that were refused
   std::uint64_t bad_payloads = 0;     ///< records that are no block or no pose: left out
+  std::uint64_t other_grids = 0;      ///< poses of submaps whose voxels have another size: they wait for ever
   std::uint64_t refused_blocks = 0;   ///< no room
   std::uint64_t refused_submaps = 0;  ///< too many
 };

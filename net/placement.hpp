@@ -31,8 +31,8 @@ inline constexpr std::size_t kPlacementPayload_bytes = kPosePayload_bytes + kPos
 
 class PlacementPayload {
  public:
-  /// Of a submap that stands at `T_world_submap` in a layer that is placed so.
-  PlacementPayload(const Placement& placement, const hal::Pose& T_world_submap);
+  /// Of a submap that stands at `T_world_submap`, with voxels of that size, in a layer that is placed so.
+  PlacementPayload(const Placement& placement, const hal::Pose& T_world_submap, float resolution_m);
   [[nodiscard]] mapper::ByteSpan bytes() const { return std::span(bytes_).first(size_); }
 
  private:
@@ -44,5 +44,7 @@ class PlacementPayload {
 [[nodiscard]] std::optional<Placement> read_placement(mapper::ByteSpan bytes, const LayerId& writer);
 /// Of a layer, as the pose of its submap 0 says. None if that is not known.
 [[nodiscard]] std::optional<Placement> placement_of(const LayerStore& store, LayerIndex layer);
+/// Edge of its voxels, as the same record says.
+[[nodiscard]] std::optional<float> resolution_of(const LayerStore& store, LayerIndex layer);
 
 }  // namespace g3d::net

@@ -33,7 +33,7 @@ struct ToldWalk {
   explicit ToldWalk(int steps)
       : walk({.most_way_m = 2.0}),
         fleet(writer_and_reader()),
-        writer(fleet.gossip(0), fleet.store(0)),
+        writer(fleet.gossip(0), fleet.store(0), walk.chain.view().grid()),
         merged({walk.chain.view().grid(), tests::kPlentyOfBlocks, tests::kPlentyOfBlocks, 32}) {
     walk.go(steps);
     (void)walk.chain.finish_submap();

@@ -39,7 +39,7 @@ struct StatusPair {
     Robot(const net::FleetKey& keys, std::uint64_t robot)
         : gate(test::copy_of(keys), {.robot = robot, .incarnation = 1}),
           radio(gate, port),
-          map({0.1F}, {256, 64, 16}),
+          map({robot == 0xC3 ? 0.05F : 0.1F}, {256, 64, 16}),
           sharing(options(robot), map, radio) {}
     static net::SharingOptions options(std::uint64_t robot) {
       net::SharingOptions options;
@@ -59,7 +59,7 @@ struct StatusPair {
     mapper::VoxelMap map;
     net::MapSharing sharing;
   };
-  StatusPair() : keys(net::generate_fleet_key()), a(keys, 0xA1), b(keys, 0xB2) {
+  explicit StatusPair(std::uint64_t other = 0xB2) : keys(net::generate_fleet_key()), a(keys, 0xA1), b(keys, other) {
     a.port.peer = &b.port;
     b.port.peer = &a.port;
     a.port.address = net::UdpPort::address_of(0x0A000002, 7177);  // where what A receives comes from
@@ -81,6 +81,20 @@ struct StatusPair {
 };
 
 }  // namespace
+
+TEST_CASE("the status names a layer whose voxels have another size", "[net]") {
+  StatusPair pair(0xC3);
+  pair.a.sharing.publish_pose({}, pair.now_ns);
+  pair.b.sharing.publish_pose({}, pair.now_ns);
+  pair.run(400);
+  const net::FleetStatus status = pair.status_of_a();
+  REQUIRE(status.layers.size() == 2);
+  CHECK(status.layers[0].resolution_m == 0.1F);
+  CHECK(status.layers[1].resolution_m == 0.05F);
+  CHECK(net::layers_of_other_grids(status) == 1);
+  CHECK_THAT(net::to_text(status), Contains("its voxels are 0.05 m, ours 0.1 m: it is not merged"));
+  CHECK_THAT(net::to_json(status), Contains("\"other_resolution_m\": 0.05"));
+}
 
 TEST_CASE("the status says what each robot lacks, and when it holds the same", "[net]") {
   StatusPair pair;

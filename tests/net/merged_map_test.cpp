@@ -37,6 +37,31 @@ tests::FleetOptions fleet_of(std::uint32_t robots) {
 
 }  // namespace
 
+TEST_CASE("a layer of voxels of another size is not taken for one of ours", "[net][merge]") {
+  const auto ours = tests::random_map(4, 30, 0.1F);
+  const auto theirs = tests::random_map(9, 30, 0.05F);
+  GossipFleet fleet(fleet_of(2));
+  net::LayerWriter our_writer(*ours, fleet.gossip(0), fleet.store(0));
+  net::LayerWriter their_writer(*theirs, fleet.gossip(1), fleet.store(1));
+  REQUIRE(our_writer.publish_pose({}, fleet.now_ns()));
+  REQUIRE(their_writer.publish_pose({}, fleet.now_ns()));
+  note_all(our_writer, *ours);
+  note_all(their_writer, *theirs);
+  for (int round = 0; round < 40; ++round) {
+    (void)our_writer.publish_round(20000, fleet.now_ns());
+    (void)their_writer.publish_round(20000, fleet.now_ns());
+    fleet.run(kMergeSecond_ns / 10);
+  }
+  REQUIRE(fleet.run_until_equal(60 * kMergeSecond_ns));
+  net::MergedMap merged(merged_options(*ours));
+  merged.take_all(fleet.store(0));
+  CHECK(merged.counts().other_grids == 1);
+  CHECK(mapper::map_hash(merged.map()) == mapper::map_hash(*ours));
+  net::MergedMap of_other(merged_options(*theirs));
+  of_other.take_all(fleet.store(0));
+  CHECK(mapper::map_hash(of_other.map()) == mapper::map_hash(*theirs));
+}
+
 TEST_CASE("robots whose maps stand anywhere in the world come to the map that merging them at once gives",
           "[net][merge]") {
   const std::array<std::unique_ptr<mapper::VoxelMap>, 3> maps{

@@ -65,7 +65,7 @@ class AllocationFleet {
     robots_[i]->gossip.commit(now_ns_);
   }
   void place(std::size_t i, const hal::Pose& T_world_submap) {
-    const net::PosePayload payload = net::pose_payload(T_world_submap);
+    const net::PosePayload payload = net::pose_payload(T_world_submap, 0.05F);
     (void)robots_[i]->gossip.publish(net::pose_record(0), net::Lane::ground, payload);
     robots_[i]->gossip.commit(now_ns_);
   }
