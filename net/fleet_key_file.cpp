@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/fleet_key_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sodium.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
 #include <charconv>
 #include <utility>
 
 #include "hal/image/atomic_file.hpp"
+#include "net/private_text.hpp"
 
 namespace g3d::net {
 namespace {
@@ -124,40 +119,6 @@ class KeyFileParser {
   FleetKey keys_;
 };
 
-/// Text of the file in a buffer that is wiped.
-struct KeyFileText {
-  std::array<char, kMostKeyFile_bytes + 1> bytes;
-  std::size_t size_bytes = 0;
-  ~KeyFileText() { sodium_memzero(bytes.data(), bytes.size()); }
-};
-
-hal::Result<void> read_private_text(int fd, const std::string& path, KeyFileText& text) {
-  struct stat status {};
-  if (::fstat(fd, &status) != 0) return hal::system_error(path, "cannot read", errno);
-  if (!S_ISREG(status.st_mode)) {
-    return Error{Reason::unsupported, fmt::format("{}: is not a regular file; give the path of a fleet key", path)};
-  }
-  if ((status.st_mode & 0077) != 0) {
-    return Error{Reason::no_permission,
-                 fmt::format("{}: others may read or change this key (mode {:04o}); chmod 600 {}, and rotate it with "
-                             "--shut-out if they may have",
-                             path, status.st_mode & 07777, path)};
-  }
-  if (status.st_uid != ::geteuid() && ::geteuid() != 0) {
-    return Error{Reason::no_permission, fmt::format("{}: belongs to another user; make it your own with chown", path)};
-  }
-  while (text.size_bytes < text.bytes.size()) {
-    const ssize_t n = ::read(fd, text.bytes.data() + text.size_bytes, text.bytes.size() - text.size_bytes);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return hal::system_error(path, "cannot read", errno);
-    if (n == 0) return {};
-    text.size_bytes += static_cast<std::size_t>(n);
-  }
-  return Error{Reason::too_large,
-               fmt::format("{}: has more than {} bytes, which no fleet key has; is it the right file?", path,
-                           kMostKeyFile_bytes)};
-}
-
 }  // namespace
 
 hal::Result<FleetKey> parse_fleet_key(std::string_view text, const std::string& name) {
@@ -191,14 +152,10 @@ std::string format_fleet_key(const FleetKey& keys) {
 }
 
 hal::Result<FleetKey> read_fleet_key(const std::string& path) {
-  // O_NONBLOCK: a named pipe in place of the file must not stop the reader.
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd < 0) return hal::system_error(path, "cannot open", errno);
-  KeyFileText text;
-  const hal::Result<void> read = read_private_text(fd, path, text);
-  ::close(fd);
+  PrivateText text;
+  const auto read = read_private_text(path, "fleet key", "rotate it with --shut-out", text);
   if (!read) return read.error();
-  return parse_fleet_key({text.bytes.data(), text.size_bytes}, path);
+  return parse_fleet_key(text.view(), path);
 }
 
 hal::Result<void> write_fleet_key(const std::string& path, const FleetKey& keys) {

@@ -17,10 +17,11 @@
 
 #include "hal/result.hpp"
 #include "net/fleet_key.hpp"
+#include "net/private_text.hpp"
 
 namespace g3d::net {
 
-inline constexpr std::size_t kMostKeyFile_bytes = 16 * 1024;
+inline constexpr std::size_t kMostKeyFile_bytes = PrivateText::kMost_bytes;
 
 /// `name` stands in errors. Errors: malformed, out_of_range, unsupported (a later version), truncated.
 [[nodiscard]] hal::Result<FleetKey> parse_fleet_key(std::string_view text, const std::string& name);
