@@ -71,7 +71,8 @@ READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
   $(addprefix net/,block_plain.cpp block_wire.cpp broker_options.cpp datagram_batch.cpp datagram_gate.cpp \
     datagram_seal.cpp fleet_key_file.cpp gossip.cpp handshake_message.cpp journal_entry.cpp journal_frame.cpp \
     journal_restore.cpp layer_identity.cpp range_coder.cpp reconcile_message.cpp reconciler.cpp robot_status.cpp \
-    set_sketch_wire.cpp site_topics.cpp sync_message.cpp wire_parts.cpp) \
+    set_sketch_wire.cpp signing_key.cpp site_topics.cpp sync_message.cpp update_intake.cpp update_manifest.cpp update_wire.cpp \
+    wire_parts.cpp) hal/boot/slot_record.cpp \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))

@@ -5,6 +5,7 @@
 
 #include "main_commands.hpp"
 #include "main_examples.hpp"
+#include "main_update.hpp"
 #include "mapper/version.hpp"
 
 namespace {
@@ -307,6 +308,12 @@ int parse_and_run(int argc, char** argv) {
   key_command->add_option("--drop", key.drop, "The same, of a robot whose layers are thrown away as well");
   key_command->add_flag("--show", key.show, "Say what is in it, but for the key");
 
+  UpdateOptions update;
+  add_update_options(
+      *add_command(app, "update", "Put a new system on a robot, signed and over the network", kUpdateExamples), update);
+  SlotsOptions slots;
+  add_slots_options(*add_command(app, "slots", "Say which systems a machine holds", kSlotsExamples), slots);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -325,6 +332,8 @@ int parse_and_run(int argc, char** argv) {
   if (*merge_command) return run_merge(merge);
   if (*drift_command) return run_drift(drift);
   if (*key_command) return run_key(key);
+  if (app.got_subcommand("update")) return run_update(update);
+  if (app.got_subcommand("slots")) return run_slots(slots);
   return run_mask(mask);
 }
 
