@@ -186,7 +186,9 @@ void LiveRun::run(bool show_progress) {
     clock_.sleep_until(std::min(end_ns, clock_.now() + kLook_ns));
     take_poses();
     say_words(clock_.now() - start_ns);
-    if (robot_->status().read(status) != 0 && status.state == nav::MissionState::home) break;
+    const bool is_home = robot_->status().read(status) != 0 && status.state == nav::MissionState::home;
+    service_.look(clock_.now(), way_.size(), status);
+    if (is_home) break;
     if (show_progress && clock_.now() >= next_show_ns) {
       next_show_ns = clock_.now() + kProgress_ns;
       show(clock_.now() - start_ns, status);
@@ -194,6 +196,7 @@ void LiveRun::run(bool show_progress) {
   }
   if (show_progress) fmt::print(stderr, "\n");
   robot_->stop();
+  service_.stopping();
   if (fleet_ != nullptr) {
     // Who has said Ctrl-C is in a hurry, and another one would end the program without the map.
     fleet_->settle(options_.network.settle_s.value_or(was_interrupted() ? kHurriedSettle_s : kSettle_s),

@@ -17,6 +17,7 @@
 #include "main_commands.hpp"
 #include "main_network.hpp"
 #include "main_robot.hpp"
+#include "main_service.hpp"
 #include "nav/coverage.hpp"
 #include "nav/exploration_report.hpp"
 #include "nav/robot_threads.hpp"
@@ -112,6 +113,7 @@ class LiveRun {
   hal::SerialPort port_;
   std::optional<hal::kobuki::LineGuard> guard_;
   NoCamera no_camera_;
+  ServiceReport service_;
   std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
   nav::TeamLink team_link_;
   std::unique_ptr<nav::RobotThreads> robot_;

@@ -2,8 +2,7 @@
 // What an update consists of: the image's size and digest, and the digest of every 64 KiB of it, so that each piece is
 // known to be right before it is written, and a machine finds out by looking at its own disk which ones it still lacks.
 //
-//   0  "G3DMAN1\0"    8  u64 release    16  u64 size_bytes    24  32 bytes BLAKE2b-256 of the image    56  32 bytes for
-//   each chunk
+//   0  "G3DMAN1\0"    8  u64 release    16  u64 size_bytes    24  BLAKE2b-256 of the image    56  and of each chunk
 //
 // Little-endian. Pure but for manifest_of; any thread.
 #pragma once

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a machine and the sender of an update say to each other over one TCP connection; little-endian, fixed sizes.
 //
-//   machine -> sender   greeting, 64 bytes: "G3DUPD1\0", 32 random bytes, u64 release that runs, u64 newest good
-//   release, 8 bytes 0 sender -> machine   proof, 120 bytes: "G3DSND1\0", u8 force, 7 bytes 0, u32 manifest's size, 4
-//   bytes 0, 32 bytes its
-//                       BLAKE2b-256, 64 bytes Ed25519 signature of the greeting and of all of the proof before it
-//   sender -> machine   the manifest
-//   machine -> sender   words, 8 bytes each: u8 kind, u8 end, 2 bytes 0, u32 number
-//   sender -> machine   for each word `want`: u32 chunk, its bytes
+//   machine   greeting, 64 bytes: "G3DUPD1\0", 32 random bytes, u64 release that runs, u64 newest good release, 8 zeros
+//   sender    proof, 120 bytes: "G3DSND1\0", u8 force, 7 zeros, u32 manifest's size, 4 zeros, 32 bytes its BLAKE2b-256,
+//             64 bytes Ed25519 signature of the greeting and of the proof so far
+//   sender    the manifest
+//   machine   words, 8 bytes each: u8 kind, u8 end, 2 zeros, u32 number
+//   sender    for each word `want`: u32 chunk, its bytes
 //
 // The signature covers the machine's random bytes: what was recorded is worth nothing, neither an old release nor the
 // wish to go back. Nothing but sizes is looked at before it was checked. What the machine says is not proved: whoever
-// answers at its address may claim that all went well. Nothing is encrypted. Pure; any thread.
+// answers at its address may claim that all went well, or pass on the greeting of another machine of the same owner,
+// which then gets that update. Nothing is encrypted. Pure; any thread.
 #pragma once
 
 #include <array>

@@ -3,8 +3,8 @@
 // checksum tells when it is not. Little-endian:
 //
 //   0  "G3DSLOT1"    8  u64 sequence    16  u8 preferred    17  7 bytes 0    24  u64 newest_good_release
-//   32 + 56 i  of slot i:  u8 condition, u8 starts, u8 may_go_back, 5 bytes 0, u64 release, u64 size_bytes, 32 bytes
-//   digest 144  BLAKE2b-256 of what stands before it    176  zeros
+//   32 + 56 i  of slot i:  u8 condition, u8 starts, u8 may_go_back, 5 bytes 0, u64 release, u64 size_bytes, digest
+//   144  BLAKE2b-256 of what stands before it    176  zeros
 //
 // Pure; any thread.
 #pragma once

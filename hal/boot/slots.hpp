@@ -5,8 +5,7 @@
 // decides, by this book, whose system it goes on with:
 //
 //   plan_start() -> keep the plan's book on disk -> start plan.slot -> healthy for a while -> started_well()
-//                                                         \-> cannot even be mounted: cannot_start(), plan_start()
-//                                                         again
+//                                                         \-> cannot be mounted: cannot_start(), plan_start()
 //
 // A start is counted before it is tried, so that a hang or a power cut counts too. Pure functions on plain values, any
 // thread; slot_store.hpp keeps the book.
