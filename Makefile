@@ -33,7 +33,7 @@ DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 MOSQUITTO := $(shell scripts/static_libs where)
 MOSQUITTO_LIB := $(wildcard $(MOSQUITTO)/libmosquitto.a)
 MQTT_PICK := hal/mqtt/pick/$(if $(MOSQUITTO_LIB),mosquitto,absent).cpp
-LIBS := $(MOSQUITTO_LIB) -lpng -ljpeg -lzstd -lsodium -lz
+LIBS := $(MOSQUITTO_LIB) -lgpiod -lpng -ljpeg -lzstd -lsodium -lz
 TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
@@ -74,6 +74,7 @@ READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
     set_sketch_wire.cpp signing_key.cpp site_topics.cpp sync_message.cpp update_intake.cpp update_manifest.cpp update_wire.cpp \
     wire_parts.cpp) hal/boot/slot_record.cpp \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
+  $(addprefix hal/can/,candump.cpp canopen.cpp estop_node.cpp) \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))
 HOT_SRC := $(if $(filter -O2,$(OPT)),$(filter-out $(READER_SRC),$(HOT_SRC)))

@@ -251,13 +251,24 @@ int parse_and_run(int argc, char** argv) {
   tell_command->add_option("PATH", tell.path, "Its folder, or its socket")->required();
   tell_command->add_option("WORD", tell.word, "What to say")
       ->required()
-      ->check(CLI::IsMember({"pause", "resume", "stop", "home", "status"}));
+      ->check(CLI::IsMember({"pause", "resume", "stop", "home", "status", "buses"}));
 
   PeersOptions peers;
   CLI::App* peers_command = add_command(app, "peers", "Say who knows what in a fleet", kPeersExamples);
   peers_command->add_option("--at", peers.path, "The folder of the program that is asked, or its socket")
       ->default_val("out");
   peers_command->add_flag("--json", peers.json, "For scripts");
+
+  BusesOptions buses;
+  CLI::App* buses_command = add_command(app, "buses", "Say what a robot's stop devices say", kBusesExamples);
+  buses_command->add_option("--board", buses.board_path, "Board file");
+  buses_command->add_option("--for", buses.for_s, "End after so many seconds")->check(CLI::Range(0.1, 1e6));
+  buses_command->add_option("--record", buses.record_dir, "Folder for can.log and gpio.log");
+  buses_command->add_option("--log", buses.log_dir, "Say what a recording says instead");
+  buses_command->add_option("--play-node", buses.play_node, "INTERFACE:NODE: be that emergency-stop node instead");
+  buses_command->add_flag("--waits", buses.waits, "The played node waits for a network master");
+  buses_command->add_option("--make-vcan", buses.make_vcan, "Make this virtual CAN interface first (as root)");
+  buses_command->add_flag("--json", buses.json, "One JSON object with all counters at the end");
 
   ExportOptions exported;
   CLI::App* export_command = add_command(app, "export", "Write a map in other formats", kExportExamples);
@@ -327,6 +338,7 @@ int parse_and_run(int argc, char** argv) {
   if (*run_command) return run_live(live, command_line(argc, argv));
   if (*tell_command) return run_tell(tell);
   if (*peers_command) return run_peers(peers);
+  if (*buses_command) return run_buses(buses);
   if (*export_command) return run_export(exported);
   if (*info_command) return run_info(info);
   if (*merge_command) return run_merge(merge);

@@ -110,6 +110,17 @@ struct PeersOptions {
   bool json = false;
 };
 
+struct BusesOptions {
+  std::string board_path;  ///< whose stop devices are asked; empty: the built-in host_sim, which has none
+  double for_s = 0.0;      ///< 0: until it is told to end
+  std::string record_dir;  ///< can.log and gpio.log; empty: nowhere
+  std::string log_dir;     ///< say what was recorded there instead
+  std::string play_node;   ///< "can0:17": be that emergency-stop node instead
+  bool waits = false;      ///< the played node waits for a network master
+  std::string make_vcan;   ///< make this virtual CAN interface first
+  bool json = false;
+};
+
 struct ExportOptions {
   std::string from;
   std::vector<std::string> to;
@@ -161,6 +172,7 @@ int run_live(const LiveOptions& options, const std::string& command_line);
 /// The same for a board without base and camera.
 int run_station(const LiveOptions& options, const std::string& command_line);
 int run_tell(const TellOptions& options);
+int run_buses(const BusesOptions& options);
 int run_peers(const PeersOptions& options);
 int run_export(const ExportOptions& options);
 int run_info(const InfoOptions& options);

@@ -22,6 +22,15 @@ Examples:
 
 Per robot: when it was heard last, and what it lacks of every layer of the shared map; and why datagrams were refused.)";
 
+inline constexpr const char* kBusesExamples = R"(
+Examples:
+  g3dmap buses --board board/kobuki_tx2.toml               each change of what the stop switch and the CAN node say
+  g3dmap buses --board board/kobuki_tx2.toml --log out     the same out of out/can.log and out/gpio.log
+  g3dmap buses --make-vcan vcan0 --play-node vcan0:17      be emergency-stop node 17 on a virtual bus
+
+Words: go; not_yet, until a device was seen well for the first time; stop, which a running robot keeps until a person
+says resume. A played node takes lines: press, release, silence, speak, wait, quit.)";
+
 inline constexpr const char* kTellExamples = R"(
 Examples:
   g3dmap tell out pause                                    the robot whose --out is `out` stands, until resume

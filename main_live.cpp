@@ -77,6 +77,7 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   if (live.fleet() != nullptr) {
     if (std::string warning = live.fleet()->warning(); !warning.empty()) report.notes.push_back(std::move(warning));
   }
+  for (const std::string& text : live.buses().notes()) report.notes.push_back(text);
   if (live.building_late_s() > 0.1) {
     report.notes.push_back(fmt::format("this machine was too busy: the simulated building was up to {:.0f} ms late",
                                        1e3 * live.building_late_s()));
@@ -179,6 +180,7 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
     nav::write_exploration(json, explored);
     if (merged != nullptr) live.fleet()->write(json, mapper::map_hash(merged->map()), live.run_s());
     write_base(json, live.base());
+    live.buses().write(json);
     live.write_control(json);
     write_cpu(json, live.thread_times(), live.run_s());
   };

@@ -120,6 +120,9 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
   if (!guard) return guard.error();
   guard_.emplace(std::move(guard).value());
   begin_ns_ = clock_.now();
+  auto buses = Buses::open(board_, clock_, options_.record ? options_.mapping.out_dir : std::string());
+  if (!buses) return buses.error();
+  buses_ = std::move(buses).value();
   if (hal::has_fault_of(staging_.faults, hal::FaultPart::disk)) {
     bad_disk_.emplace(staging_.faults, [this] { return clock_.now() - begin_ns_; });
     disk_instead_.emplace(*bad_disk_);
@@ -139,6 +142,7 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
   if (meter_) parts.coverage = [this](const nav::GroundMap& ground) { return meter_->fraction(ground.states()); };
   nav::RobotThreadsConfig threads;
   threads.robot = config_;
+  buses_->equip(threads);
   robot_ = std::make_unique<nav::RobotThreads>(threads, parts);
   if (const auto missing = missing_card(robot_->mapper(), options_.mapping)) {
     return hal::Error{hal::Reason::unsupported, *missing};
@@ -160,6 +164,7 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
 }
 
 std::optional<std::string> LiveRun::answer(std::string_view request) {
+  if (auto said = buses_->answer(request)) return said;
   if (fleet_ != nullptr) return fleet_->answer(request);
   if (!request.starts_with("peers")) return std::nullopt;
   return "{\"error\": \"this robot is alone: it was started without the key of a fleet\"}\n";
@@ -180,10 +185,12 @@ void LiveRun::run(bool show_progress) {
       options_.duration_s > 0.0 ? start_ns + static_cast<hal::TimeNs>(options_.duration_s * 1e9) : INT64_MAX;
   hal::TimeNs next_show_ns = start_ns;
   if (fleet_ != nullptr) fleet_->start();
+  buses_->start();
   robot_->start();
   nav::LiveStatus status;
   while (!stop_requested.load() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
     clock_.sleep_until(std::min(end_ns, clock_.now() + kLook_ns));
+    buses_->tick_main();
     take_poses();
     say_words(clock_.now() - start_ns);
     const bool is_home = robot_->status().read(status) != 0 && status.state == nav::MissionState::home;
@@ -195,8 +202,10 @@ void LiveRun::run(bool show_progress) {
     }
   }
   if (show_progress) fmt::print(stderr, "\n");
+  buses_->rest_main();
   robot_->stop();
   service_.stopping();
+  buses_->stop();
   if (fleet_ != nullptr) {
     // Who has said Ctrl-C is in a hurry, and another one would end the program without the map.
     fleet_->settle(options_.network.settle_s.value_or(was_interrupted() ? kHurriedSettle_s : kSettle_s),
@@ -239,7 +248,8 @@ double LiveRun::building_late_s() const {
 }
 
 hal::Result<void> LiveRun::finish_recording() {
-  return recorder_ == nullptr ? hal::Result<void>{} : recorder_->finish();
+  auto buses = buses_->finish_recording();
+  return recorder_ == nullptr ? std::move(buses) : recorder_->finish();
 }
 
 std::vector<nav::ThreadTime> LiveRun::thread_times() const {

@@ -14,6 +14,7 @@
 #include "hal/sim/disk_faults.hpp"
 #include "hal/sim/observable.hpp"
 #include "hal/sim/real_time_building.hpp"
+#include "main_buses.hpp"
 #include "main_commands.hpp"
 #include "main_network.hpp"
 #include "main_robot.hpp"
@@ -83,6 +84,7 @@ class LiveRun {
   [[nodiscard]] double building_late_s() const;
   /// Of the robot's threads, and of the process that holds the line too.
   [[nodiscard]] std::vector<nav::ThreadTime> thread_times() const;
+  [[nodiscard]] const Buses& buses() const { return *buses_; }
   /// What people said.
   void write_control(mapper::JsonWriter& json) const { g3d::write_control(json, robot_->hotline(), control_counts_); }
   [[nodiscard]] std::uint64_t unrecorded_bytes() const { return recorder_ == nullptr ? 0 : recorder_->lost_bytes(); }
@@ -116,6 +118,7 @@ class LiveRun {
   ServiceReport service_;
   std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
   nav::TeamLink team_link_;
+  std::unique_ptr<Buses> buses_;
   std::unique_ptr<nav::RobotThreads> robot_;
   std::unique_ptr<Fleet> fleet_;
   std::unique_ptr<hal::ControlSocket> control_;

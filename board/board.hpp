@@ -54,6 +54,33 @@ struct Board {
   double ground_low_m = 0.05;
   double ground_high_m = 0.6;
 
+  // [can] a CANopen bus (CiA 301) with an emergency-stop node
+  std::string can_interface = "none";  ///< "can0"; "none": no bus
+  double can_bitrate_kbps = 0.0;       ///< 0: somebody else brings the interface up
+  int can_node = 10;                   ///< our own number on it
+  int can_estop_node = 0;              ///< without it alive and operational the robot stands; 0: there is none
+  double can_estop_heartbeat_ms = 500.0;
+  std::string can_starts_estop = "no";  ///< be its network master: start it when it waits for one
+
+  // [gpio] emergency-stop switch and lamp at lines of one chip, by name or number
+  std::string gpio_chip = "none";
+  std::string gpio_estop = "none";         ///< a contact that is normally closed
+  std::string gpio_estop_second = "none";  ///< the switch's other contact, which is normally open
+  std::string gpio_estop_closed = "high";  ///< level of the first line while the switch is not pressed
+  double gpio_glitch_ms = 1.0;             ///< shorter openings are disturbances
+  double gpio_release_ms = 50.0;           ///< closed for so long before it counts as released
+  std::string gpio_bias = "as_is";
+  std::string gpio_lamp = "none";
+
+  // [watchdog] resets the machine unless every thread makes progress
+  std::string watchdog_device = "none";  ///< "/dev/watchdog"
+  int watchdog_timeout_s = 15;
+  double watchdog_thread_s = 10.0;  ///< longest that a thread may work without a sign of life
+
+  // [threads]
+  std::string threads_plan = "none";  ///< "base=fifo40@5 *=@0,3,4": see hal/linux/thread_plan.hpp
+  std::string threads_lock_memory = "no";
+
   // [network] the fleet that it shares its map with
   std::string network_key = "none";    ///< file with the fleet's key; "none": the robot is alone
   std::string network_robot = "auto";  ///< its id, 1 to 16 hexadecimal digits; "auto": from what the machine is called

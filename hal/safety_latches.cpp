@@ -66,6 +66,8 @@ void note_e_stop(SafetyLatches& l, bool pressed) {
   if (pressed) l.e_stop_latched = true;
 }
 
+void note_e_stop_awaited(SafetyLatches& l, bool awaited) { l.e_stop_awaited = awaited; }
+
 bool resume_after_e_stop(SafetyLatches& l) {
   if (l.e_stop_pressed) return false;
   l.e_stop_latched = false;
@@ -74,7 +76,7 @@ bool resume_after_e_stop(SafetyLatches& l) {
 
 Conditions conditions_at(const SafetyLatches& l, TimeNs now_ns, const SafetyTimes& times) {
   Conditions c;
-  c.set(Condition::e_stop, l.e_stop_pressed || l.e_stop_latched);
+  c.set(Condition::e_stop, l.e_stop_pressed || l.e_stop_latched || l.e_stop_awaited);
   c.set(Condition::wheel_drop, l.wheel_drop.held);
   c.set(Condition::silent_base, older(l.had_packet, l.last_packet_ns, now_ns, times.silent_base_ns) ||
                                     l.packets_in_row < times.agreeing_packets);

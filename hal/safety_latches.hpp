@@ -61,6 +61,7 @@ struct SafetyLatches {
   TimeNs last_image_ns = 0;
   bool e_stop_pressed = false;
   bool e_stop_latched = false;
+  bool e_stop_awaited = false;
   bool rear_free = false;
   bool had_tick = false;
   TimeNs last_tick_ns = 0;
@@ -76,6 +77,8 @@ void note_image(SafetyLatches& latches, TimeNs stamp_ns);
 void note_tick(SafetyLatches& latches, TimeNs now_ns, const SafetyTimes& times);
 /// The switch. Pressed latches; released does nothing by itself.
 void note_e_stop(SafetyLatches& latches, bool pressed);
+/// A stop device that is wired up has not yet been seen well: it stands until then, and nobody needs to say resume.
+void note_e_stop_awaited(SafetyLatches& latches, bool awaited);
 /// A person says go on. Refused (false) while the switch is pressed.
 [[nodiscard]] bool resume_after_e_stop(SafetyLatches& latches);
 

@@ -107,7 +107,9 @@ void RobotThreads::camera_loop() {
   while (has_frame && !ending_.load(std::memory_order_acquire)) {
     const hal::TimeNs start_ns = parts_.clock.now();
     const std::int64_t cpu_ns = hal::thread_cpu_ns();
+    hal::rest(config_.camera_progress);
     const hal::CameraRead read = parts_.camera.read(pool_[index]);
+    hal::tick(config_.camera_progress);
     camera_read_cpu_ns_ += hal::thread_cpu_ns() - cpu_ns;
     if (read.event == hal::CameraEvent::end) break;
     const hal::TimeNs now_ns = parts_.clock.now();
@@ -134,6 +136,7 @@ void RobotThreads::camera_loop() {
       has_frame = pool_.try_acquire(index);
     }
   }
+  hal::rest(config_.camera_progress);
   camera_cpu_ns_ = hal::thread_cpu_ns() - camera_read_cpu_ns_;
   camera_ended_.store(true, std::memory_order_release);
 }
@@ -142,8 +145,10 @@ void RobotThreads::mapper_loop() {
   name_thread("mapper");
   JudgedFrame judged;
   while (mapper_waits_.wait([&] { return to_mapper_.try_pop(judged); })) {
+    hal::tick(config_.mapper_progress);
     integrate(judged);
     pool_.release(judged.frame_index);
+    hal::rest(config_.mapper_progress);
   }
   mapper_cpu_ns_ = hal::thread_cpu_ns();
 }
@@ -221,6 +226,7 @@ void RobotThreads::navigator_loop() {
   const hal::TimeNs period_ns = config_.robot.steps_per_command * hal::kobuki::kPacketPeriod_ns;
   hal::TimeNs due_ns = parts_.clock.now();
   while (!navigator_ending_.load(std::memory_order_acquire)) {
+    hal::tick(config_.navigator_progress);
     const hal::TimeNs now_ns = parts_.clock.now();
     take_base(now_ns);
     take_words(now_ns);
@@ -235,6 +241,7 @@ void RobotThreads::navigator_loop() {
     if (parts_.clock.now() >= next_coverage_ns_) tell(parts_.clock.now());
     parts_.clock.sleep_until(std::min(due_ns, parts_.clock.now() + config_.poll_ns));
   }
+  hal::rest(config_.navigator_progress);
   tell(parts_.clock.now());
   navigator_cpu_ns_ = hal::thread_cpu_ns();
 }

@@ -50,6 +50,10 @@ struct RobotThreadsConfig {
   std::size_t frames_waiting = 2;                ///< for the mapper, 1 or more
   hal::TimeNs poll_ns = 2'000'000;               ///< how often the navigator looks for a new map
   hal::TimeNs coverage_period_ns = 500'000'000;  ///< how often it is measured
+  /// Ticked by these threads; the base's is among its own options. The camera's rests while it waits for a frame.
+  hal::ProgressEntry* camera_progress = nullptr;
+  hal::ProgressEntry* mapper_progress = nullptr;
+  hal::ProgressEntry* navigator_progress = nullptr;
 };
 
 /// What the robot is made of. All outlive it; guard and recorder may be null.

@@ -85,6 +85,8 @@ void BaseDriver::set_rear_free(TimeNs stamp_ns) {
 
 void BaseDriver::set_e_stop(bool pressed) { note_e_stop(latches_, pressed); }
 
+void BaseDriver::set_e_stop_awaited(bool awaited) { note_e_stop_awaited(latches_, awaited); }
+
 bool BaseDriver::resume() { return resume_after_e_stop(latches_); }
 
 void BaseDriver::judge_now(TimeNs now_ns) {

@@ -49,6 +49,8 @@ class BaseDriver {
   /// Somebody knows that the floor behind the base is free. Where the base came from it knows that itself.
   void set_rear_free(TimeNs stamp_ns);
   void set_e_stop(bool pressed);
+  /// Whether a stop device is still to show that it is there.
+  void set_e_stop_awaited(bool awaited);
   /// A person says go on after an e-stop. False while it is pressed.
   [[nodiscard]] bool resume();
 

@@ -35,6 +35,7 @@ void BaseThread::run() {
   std::array<std::uint8_t, BaseDriver::kMaxOut_bytes> out;
   TimeNs due_ns = 0;
   while (!ending_.load(std::memory_order_acquire)) {
+    hal::tick(options_.progress);
     take_wishes();
     const bool heard = read_line();
     const Conditions before = driver_.state().conditions;
@@ -49,9 +50,11 @@ void BaseThread::run() {
     }
     if (heard || size > 0 || !(driver_.state().conditions == before)) state_.write(driver_.state());
     if (heard) poses_.write(driver_.poses());
+    tell_devices();
     if (guard_ != nullptr) guard_->beat();
     clock_.sleep_until(std::min(now_ns + options_.poll_ns, due_ns));
   }
+  hal::rest(options_.progress);
   say_farewell();
   cpu_ns_ = thread_cpu_ns();
 }
@@ -60,7 +63,9 @@ void BaseThread::take_wishes() {
   const std::uint32_t e_stops = e_stops_.load(std::memory_order_acquire);
   if (e_stops != seen_e_stops_) driver_.set_e_stop(true);
   seen_e_stops_ = e_stops;
-  driver_.set_e_stop(e_stop_pressed_.load(std::memory_order_acquire));
+  const StopWord word = ask_devices();
+  driver_.set_e_stop(e_stop_pressed_.load(std::memory_order_acquire) || word == StopWord::stop);
+  driver_.set_e_stop_awaited(word == StopWord::not_yet);
   const std::uint32_t resumes = resumes_.load(std::memory_order_acquire);
   if (resumes != seen_resumes_) (void)driver_.resume();  // while pressed: in vain, and to be said again
   seen_resumes_ = resumes;
@@ -71,6 +76,20 @@ void BaseThread::take_wishes() {
   if (image_ns != kNever_ns) driver_.set_camera_alive(image_ns);
   const TimeNs rear_free_ns = rear_free_ns_.load(std::memory_order_acquire);
   if (rear_free_ns != kNever_ns) driver_.set_rear_free(rear_free_ns);
+}
+
+StopWord BaseThread::ask_devices() {
+  StopWord strictest = StopWord::go;
+  for (SafetyDevice* const device : options_.safety_devices)
+    strictest = stricter(strictest, device->look(clock_.now()));
+  return strictest;
+}
+
+void BaseThread::tell_devices() {
+  if (options_.safety_devices.empty()) return;
+  const BaseState& state = driver_.state();
+  const SafetyNews news{state.verdict.state, state.conditions, state.commanded, state.battery_v};
+  for (SafetyDevice* const device : options_.safety_devices) device->show(news, clock_.now());
 }
 
 bool BaseThread::read_line() {
@@ -107,6 +126,7 @@ void BaseThread::say_farewell() {
     if (guard_ != nullptr) guard_->beat();
     clock_.sleep_until(clock_.now() + options_.farewell_gap_ns);
   }
+  for (SafetyDevice* const device : options_.safety_devices) device->say_farewell(clock_.now());
   state_.write(driver_.state());
   health_.write(own_health_);
 }

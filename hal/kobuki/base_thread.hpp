@@ -7,6 +7,7 @@
 #include <atomic>
 #include <functional>
 #include <thread>
+#include <vector>
 
 #include "hal/byte_line.hpp"
 #include "hal/clock.hpp"
@@ -14,6 +15,8 @@
 #include "hal/kobuki/line_guard.hpp"
 #include "hal/kobuki/line_recorder.hpp"
 #include "hal/latest.hpp"
+#include "hal/progress_board.hpp"
+#include "hal/safety_device.hpp"
 
 namespace g3d::hal::kobuki {
 
@@ -25,6 +28,9 @@ struct BaseThreadOptions {
   TimeNs farewell_gap_ns = 10'000'000;
   /// Told by the thread at every tick how late it was. Must not wait. May be empty.
   std::function<void(TimeNs late_ns)> on_tick;
+  /// Asked at every look at the line, and told of the robot. They outlive the thread.
+  std::vector<SafetyDevice*> safety_devices;
+  ProgressEntry* progress = nullptr;  ///< ticked at every look
 };
 
 /// How the thread itself is.
@@ -76,6 +82,8 @@ class BaseThread {
 
   void run();
   void take_wishes();
+  [[nodiscard]] StopWord ask_devices();
+  void tell_devices();
   [[nodiscard]] bool read_line();
   void send(std::span<const std::uint8_t> bytes);
   void say_farewell();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/cpu/thread_pool.hpp"
 
+#include <pthread.h>
+
 #include "hal/linux/cpu_time.hpp"
 
 namespace g3d::mapper::cpu {
@@ -66,6 +68,7 @@ void ThreadPool::work(std::uint32_t generation) {
 }
 
 void ThreadPool::worker_loop() {
+  (void)pthread_setname_np(pthread_self(), "mapper_worker");
   std::uint32_t seen = 0;
   for (;;) {
     std::uint32_t generation = wake_.load(std::memory_order_acquire);

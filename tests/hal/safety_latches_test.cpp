@@ -289,6 +289,16 @@ TEST_CASE("The rear is unknown unless somebody says otherwise") {
   CHECK(judge(bench.now()).state == SafetyState::free);
 }
 
+TEST_CASE("A stop device that is awaited holds the robot, and nobody needs to say resume") {
+  Bench bench;
+  note_e_stop_awaited(bench.latches, true);
+  CHECK(bench.has(Condition::e_stop));
+  CHECK(resume_after_e_stop(bench.latches));  // in vain: it is not there yet
+  CHECK(bench.has(Condition::e_stop));
+  note_e_stop_awaited(bench.latches, false);
+  CHECK_FALSE(bench.has(Condition::e_stop));
+}
+
 TEST_CASE("Everything at once, and each goes its own way") {
   Bench bench = running();
   PacketFlags all{true, true, true, true, true, true, true, false, true, 1000 * kMs};

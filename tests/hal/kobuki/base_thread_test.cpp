@@ -69,13 +69,18 @@ struct Robot {
 
   explicit Robot(LineGuard* guard = nullptr, LineRecorder* recorder = nullptr)
       : base(port, clock, options(), guard, recorder) {
+    begin();
+    REQUIRE(tap.wait_for_motion(kPatience_ns) != 0);
+  }
+  explicit Robot(std::vector<SafetyDevice*> devices) : base(port, clock, options(std::move(devices))) { begin(); }
+  void begin() {
     REQUIRE(port.open().ok());
     base.start();
     others = std::make_unique<Others>(base);
-    REQUIRE(tap.wait_for_motion(kPatience_ns) != 0);
   }
-  static BaseThreadOptions options() {
+  static BaseThreadOptions options(std::vector<SafetyDevice*> devices = {}) {
     BaseThreadOptions options;
+    options.safety_devices = std::move(devices);
     // Under a sanitizer, with everybody else on the machine, this thread may be late; that is another test.
     options.driver.times.late_thread_ns = 1'000 * kMs;
     options.driver.times.late_base_ns = 1'000 * kMs;
@@ -136,6 +141,38 @@ TEST_CASE("Each that falls silent stops it, each that comes back lets it go on",
   CHECK(robot.stands_because_of(Condition::silent_base));
   robot.device.set_silent(false);
   CHECK(robot.tap.wait_for_motion(kPatience_ns) != 0);
+}
+
+TEST_CASE("The base's own thread asks stop devices, shows them the robot and says farewell", "[threads]") {
+  class Switch final : public SafetyDevice {
+   public:
+    StopWord look(TimeNs) override { return word.load(); }
+    void show(const SafetyNews& news, TimeNs) override { state.store(news.state); }
+    void say_farewell(TimeNs) override { farewells.fetch_add(1); }
+    std::atomic<StopWord> word{StopWord::not_yet};
+    std::atomic<SafetyState> state{SafetyState::free};
+    std::atomic<int> farewells{0};
+  };
+  Switch first, second;
+  second.word = StopWord::go;
+  Robot robot({&first, &second});
+  Others& others = *robot.others;
+  CHECK(others.commander.load());
+  CHECK(robot.tap.wait_for_motion(200 * kMs) == 0);  // not seen yet: it stands
+  CHECK(becomes_true([&] { return robot.state().conditions.has(Condition::e_stop); }));
+  CHECK(first.state == SafetyState::stand);
+  first.word = StopWord::go;  // and nobody has to resume
+  CHECK(robot.tap.wait_for_motion(kPatience_ns) != 0);
+  CHECK(becomes_true([&] { return second.state == SafetyState::free; }));
+  second.word = StopWord::stop;
+  CHECK(robot.stands_because_of(Condition::e_stop));
+  second.word = StopWord::go;
+  CHECK(robot.tap.wait_for_motion(200 * kMs) == 0);  // latched
+  robot.base.resume();
+  CHECK(robot.tap.wait_for_motion(kPatience_ns) != 0);
+  robot.base.stop();
+  CHECK(first.farewells == 1);
+  CHECK(second.farewells == 1);
 }
 
 TEST_CASE("An e-stop, however short, holds until somebody resumes", "[threads]") {
