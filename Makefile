@@ -75,6 +75,7 @@ READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
     wire_parts.cpp) hal/boot/slot_record.cpp \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
   $(addprefix hal/can/,candump.cpp canopen.cpp estop_node.cpp) \
+  $(addprefix hal/,record/packed_image.cpp stream/frame_message.cpp stream/frame_reader.cpp) \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))
 HOT_SRC := $(if $(filter -O2,$(OPT)),$(filter-out $(READER_SRC),$(HOT_SRC)))

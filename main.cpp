@@ -119,7 +119,8 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
-  command.add_option("--camera", live.camera, "The simulated camera as WIDTHxHEIGHT@HZ, such as 160x120@10");
+  command.add_option("--camera", live.camera,
+                     "The simulated camera as WIDTHxHEIGHT@HZ, such as 160x120@10; also of a stream");
   command.add_option("--drift", live.drift, "How wrong the simulated odometry is: 0 exact, 1 like a real base")
       ->check(CLI::Range(0.0, 10.0));
   add_drift_like(command, live.drift_like);
@@ -130,7 +131,9 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   add_loops_flag(command, options);
   add_staging_options(command, live.staging);
   add_patience(command, options);
-  command.add_flag("--record", live.record, "Write what the base says to kobuki.bin in the folder of --out");
+  command.add_option("--slow", live.slow, "Its clock goes so many times slower, as that of its `g3dmap building`")
+      ->check(CLI::Range(1.0, 100.0));
+  command.add_option("--record", live.record, "New folder for frames, poses and what the base says, for replay");
   command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
   command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
   command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));
@@ -167,6 +170,41 @@ void add_mapping_options(CLI::App& command, MappingOptions& options) {
   command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
   command.add_flag("--quiet", options.quiet, "No progress and no summary");
   command.add_flag("--json", options.json, "Print report.json instead of the summary");
+}
+
+void add_building_options(CLI::App& command, BuildingOptions& building) {
+  MappingOptions& options = building.mapping;
+  const auto several = [&command](const char* name, std::vector<std::string>& into, const char* what) {
+    command.add_option(name, into, what)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  command.add_option("--world", building.world, "Built-in name, world file or map_server yaml")->capture_default_str();
+  command.add_option("--crop", building.crop, "Take only X0,Y0,X1,Y1 of a map_server map");
+  command.add_option("--board", options.board_path, "Board file of the robots: mounting and size; default: host_sim");
+  command.add_option("--robots", building.robots, "How many there are")->check(CLI::Range(1, 16));
+  several("--start", building.starts, "X,Y,DEGREES of a robot; once for each, or not at all");
+  command.add_option("--at", building.at, "Folder for control socket, truth.json, and sockets not named otherwise");
+  several("--base", building.bases,
+          "Serial line of a robot: pty:LINK, unix:PATH (dials it again and again) or "
+          "listen:PATH; once for each");
+  several("--frames", building.frames,
+          "Camera of a robot: listen:PATH, listen:tcp:ADDRESS:PORT, or without listen: to "
+          "dial; once for each");
+  command.add_option("--camera", building.camera, "The cameras as WIDTHxHEIGHT@HZ, such as 160x120@5");
+  command.add_option("--duration", building.duration_s, "Stop after so many of its seconds; 0: when it is told to")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--slow", building.slow, "So many seconds pass in one of its own; robots need the same")
+      ->check(CLI::Range(1.0, 100.0));
+  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--drift", building.drift, "How wrong the odometry is: 0 exact, 1 like a real base")
+      ->check(CLI::Range(0.0, 10.0));
+  add_drift_like(command, building.drift_like);
+  command.add_option("--control", building.staging.control, "Socket for `g3dmap tell`; default: control in --at");
+  several("--fail", building.staging.fail, "What goes wrong: PART:KIND@FROM+SECONDS, as for run");
+  command.add_option("--battery", building.staging.battery_min, "The batteries are empty after so many minutes")
+      ->check(CLI::Range(0.1, 10000.0));
+  command.add_flag("--no-noise", building.no_noise, "Perfect sensors");
+  command.add_flag("--quiet", options.quiet, "Say nothing");
+  command.add_flag("--json", options.json, "Print truth.json at the end");
 }
 
 CLI::App* add_command(CLI::App& app, const char* name, const char* what, const char* examples) {
@@ -245,6 +283,11 @@ int parse_and_run(int argc, char** argv) {
       add_command(app, "run", "Let the board's robot explore where it stands, in real time", kRunExamples);
   add_live_options(*run_command, live);
   add_network_options(*run_command, live);
+
+  BuildingOptions building;
+  CLI::App* building_command = add_command(
+      app, "building", "Run a simulated building for robots in other programs or machines", kBuildingExamples);
+  add_building_options(*building_command, building);
 
   TellOptions tell;
   CLI::App* tell_command = add_command(app, "tell", "Speak to a robot that runs", kTellExamples);
@@ -336,6 +379,7 @@ int parse_and_run(int argc, char** argv) {
     return run(sim, command_line(argc, argv));
   }
   if (*run_command) return run_live(live, command_line(argc, argv));
+  if (*building_command) return run_building(building);
   if (*tell_command) return run_tell(tell);
   if (*peers_command) return run_peers(peers);
   if (*buses_command) return run_buses(buses);

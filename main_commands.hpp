@@ -96,8 +96,28 @@ struct LiveOptions {
   double drift = 0.0;           ///< how wrong the simulated base's odometry is
   std::string drift_like = "kobuki";
   bool no_noise = false;
-  bool record = false;  ///< the base's bytes into kobuki.bin
+  double slow = 1.0;   ///< its clock: so many seconds pass in one of its own; only with the camera of a building
+  std::string record;  ///< folder for frames, poses and the base's bytes; empty: nothing is recorded
   StagingOptions staging;
+};
+
+/// A simulated building for robots in other programs or machines.
+struct BuildingOptions {
+  MappingOptions mapping;  ///< board, seed, quiet and json alone: where the cameras are mounted and what they are
+  std::string world = "house";
+  std::string crop;                 ///< as for sim
+  int robots = 1;                   ///< at least so many
+  std::vector<std::string> starts;  ///< "X,Y,DEGREES" of each robot; none: the world's own
+  std::string at;                   ///< folder for the control socket, truth.json and what is not named otherwise
+  std::vector<std::string> bases;   ///< of each robot: "pty:LINK", "unix:PATH", "tcp:ADDRESS:PORT" or "listen:" and one
+  std::vector<std::string> frames;  ///< of each robot's camera: the same but for terminals
+  std::string camera;               ///< "WxH@HZ"; empty: the board's
+  double duration_s = 0.0;          ///< of its own time; 0: until somebody stops it
+  double slow = 1.0;                ///< so many seconds pass in one of its own
+  double drift = 0.0;
+  std::string drift_like = "kobuki";
+  bool no_noise = false;
+  StagingOptions staging;  ///< but for words
 };
 
 struct TellOptions {
@@ -171,6 +191,8 @@ int run_team(const SimOptions& options, const std::string& command_line);
 int run_live(const LiveOptions& options, const std::string& command_line);
 /// The same for a board without base and camera.
 int run_station(const LiveOptions& options, const std::string& command_line);
+/// `building`.
+int run_building(const BuildingOptions& options);
 int run_tell(const TellOptions& options);
 int run_buses(const BusesOptions& options);
 int run_peers(const PeersOptions& options);

@@ -8,12 +8,21 @@ inline constexpr const char* kRunExamples = R"(
 Examples:
   g3dmap run --board board/host_sim.toml --out out                    in real time, in a simulated building
   g3dmap run --board board/host_sim.toml --world office --duration 60 --camera 160x120@10 --out out
-  g3dmap run --board board/kobuki_tx2.toml --record --out out         a real base; what it says goes to kobuki.bin
+  g3dmap run --board board/kobuki_tx2.toml --record log --out out     a real base; g3dmap replay log gives the same map
   g3dmap run --board board/host_sim.toml --key fleet.key --robot a1 --start 1 --out one      two robots of a fleet,
   g3dmap run --board board/host_sim.toml --key fleet.key --robot a2 --start 2 --out two      which share their maps,
   g3dmap run --board board/base_station.toml --key fleet.key --out all                       and who merges them
 
 The first Ctrl-C stops the robot and saves the map, the second one ends the program at once; the base stands either way.)";
+
+inline constexpr const char* kBuildingExamples = R"(
+Examples:
+  g3dmap building --world two_rooms --camera 160x120@10 --at place                     then, for robot 1, a board with
+      base.line = "/.../place/robot1.base" and camera.source = "stream:/.../place/robot1.frames":
+  g3dmap run --board that.toml --camera 160x120@10 --out out
+  g3dmap building --base unix:kobuki.sock --frames listen:camera.sock --slow 4 --at place     for an emulated machine
+  g3dmap tell place status                                 the outside truth: places, contacts, what cameras have seen
+  g3dmap tell place stop                                   the same in place/truth.json)";
 
 inline constexpr const char* kPeersExamples = R"(
 Examples:

@@ -34,8 +34,10 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
         "only the building of a simulated base",
         options.mapping.board_path, board.base_line, board.camera_source);
   }
-  if (!in_simulation && !options.camera.empty())
+  const bool in_stream = board.camera_source.starts_with(kStreamSource);
+  if (!in_simulation && !in_stream && !options.camera.empty())
     return "--camera is for a simulated one; set [camera] in the board file";
+  if (!in_stream && options.slow > 1.0) return "--slow is for the camera of a `g3dmap building`";
   const bool fails_in_simulation = std::any_of(options.staging.fail.begin(), options.staging.fail.end(),
                                                [](const std::string& fault) { return !fault.starts_with("disk:"); });
   if (!in_simulation && fails_in_simulation) return "--fail: only the disk of a real robot can be made to fail";
@@ -45,7 +47,9 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (has_fleet(board) && options.mapping.loops) {
     return "--loops corrects the map of a robot that is alone so far; leave it out, or --key";
   }
-  if (options.record && options.mapping.out_dir.empty()) return "--record needs a folder: give --out";
+  if (!options.record.empty() && options.record == options.mapping.out_dir) {
+    return "--record and --out need a folder each: both have a trajectory.tum";
+  }
   if (auto problem = loops_problem(options.mapping)) return problem;
   if (board.map_mode == "static") return "map.mode \"static\" knows no free space, so no robot can drive by it";
   return std::nullopt;
@@ -78,6 +82,8 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
     if (std::string warning = live.fleet()->warning(); !warning.empty()) report.notes.push_back(std::move(warning));
   }
   for (const std::string& text : live.buses().notes()) report.notes.push_back(text);
+  live.end_recording(report.hash);
+  if (const std::string error = live.camera_error(); !error.empty()) report.notes.push_back(error);
   if (live.building_late_s() > 0.1) {
     report.notes.push_back(fmt::format("this machine was too busy: the simulated building was up to {:.0f} ms late",
                                        1e3 * live.building_late_s()));
@@ -169,9 +175,11 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
     files.draw = [&, place_name](const std::string& path) {
       return write_picture(explored, navigator, poses, place_name, path);
     };
-    files.finish_recording = [&live] { return live.finish_recording(); };
     files.is_given_up = [&live, was = live.was_interrupted()] { return !was && live.was_interrupted(); };
+    files.finish_recording = [&live] { return live.finish_recording(); };
     outputs = save_run(files);
+  } else if (const auto recorded = live.finish_recording(); !recorded) {
+    outputs.failures.push_back(recorded.error());
   }
   const std::unique_ptr<net::MergedMap> merged = live.fleet() != nullptr ? live.fleet()->whole_map() : nullptr;
   if (merged != nullptr && !mapping.out_dir.empty()) save_merged(files, merged->map(), outputs);
@@ -182,6 +190,8 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
     write_base(json, live.base());
     live.buses().write(json);
     live.write_control(json);
+    live.write_camera(json);
+    live.write_recording(json);
     write_cpu(json, live.thread_times(), live.run_s());
   };
   report.file_bytes = outputs.map_file_bytes;

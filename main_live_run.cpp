@@ -17,6 +17,7 @@
 #include "hal/replay/decimal.hpp"
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/reach.hpp"
+#include "main_building.hpp"
 #include "main_setup.hpp"
 
 namespace g3d {
@@ -107,6 +108,7 @@ LiveRun::LiveRun(const board::Board& board, const LiveOptions& options, const na
       options_(options),
       config_(config),
       staging_(staging),
+      clock_(static_cast<std::uint32_t>(std::lround(100.0 * options.slow))),
       port_({[this] { return find_port(); },
              [this](int fd) {
                if (guard_) (void)guard_->hand_over(fd);
@@ -120,7 +122,8 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
   if (!guard) return guard.error();
   guard_.emplace(std::move(guard).value());
   begin_ns_ = clock_.now();
-  auto buses = Buses::open(board_, clock_, options_.record ? options_.mapping.out_dir : std::string());
+  if (auto recording = begin_recording(); !recording) return recording;
+  auto buses = Buses::open(board_, clock_, options_.record);
   if (!buses) return buses.error();
   buses_ = std::move(buses).value();
   if (hal::has_fault_of(staging_.faults, hal::FaultPart::disk)) {
@@ -136,9 +139,16 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
     building_ = std::move(building).value();
     sim_camera_ = std::make_unique<hal::RealTimeBuilding::Camera>(*building_, 0, rate_hz);
   }
+  if (board_.camera_source.starts_with(kStreamSource)) {
+    auto place_of_stream = hal::parse_stream_place(board_.camera_source.substr(kStreamSource.size()));
+    if (!place_of_stream) return hal::Error{hal::Reason::bad_usage, "camera.source: " + place_of_stream.error().text};
+    stream_camera_ = std::make_unique<hal::StreamCamera>(std::move(place_of_stream).value(), config_.camera, clock_,
+                                                         clock_.slow_percent());
+  }
   if (auto opened = port_.open(); !opened) return opened;
-  if (auto recording = begin_recording(); !recording) return recording;
-  nav::RobotParts parts{port_, camera(), clock_, [this] { end_camera(); }, &*guard_, recorder_.get(), {}};
+  hal::DepthCamera& eye = recording_ != nullptr ? recording_->camera(camera()) : camera();
+  nav::RobotParts parts{port_, eye, clock_, [this] { end_camera(); }, &*guard_, nullptr, {}};
+  if (recording_ != nullptr) record(parts);
   if (meter_) parts.coverage = [this](const nav::GroundMap& ground) { return meter_->fraction(ground.states()); };
   nav::RobotThreadsConfig threads;
   threads.robot = config_;
@@ -171,11 +181,28 @@ std::optional<std::string> LiveRun::answer(std::string_view request) {
 }
 
 hal::Result<void> LiveRun::begin_recording() {
-  if (!options_.record) return {};
-  auto recorder = hal::kobuki::LineRecorder::create(options_.mapping.out_dir + "/kobuki.bin");
-  if (!recorder) return recorder.error();
-  recorder_ = std::move(recorder).value();
+  if (options_.record.empty()) return {};
+  auto recording = RunRecording::begin(options_.record, board_, config_.camera, !options_.mapping.no_colour);
+  if (!recording) return recording.error();
+  recording_ = std::move(recording).value();
   return {};
+}
+
+void LiveRun::record(nav::RobotParts& parts) {
+  parts.recorder = recording_->line();
+  hal::FrameRecorder* const frames = recording_->frames();
+  if (frames == nullptr) return;
+  parts.on_mapped = [frames](const hal::MappedNote& note, const hal::Frame* masked) {
+    frames->put_mapped(note, masked);
+  };
+}
+
+void LiveRun::end_recording(const std::string& hash) {
+  if (recording_ == nullptr) return;
+  std::vector<std::string> cannot;
+  if (robot_->loops() != nullptr) cannot.emplace_back("the whole map was corrected while it grew (--loops)");
+  if (robot_->pool_full_frames() > 0) cannot.emplace_back("the map's memory was full, and took what came first");
+  recording_->end(hash, std::move(cannot));
 }
 
 void LiveRun::run(bool show_progress) {
@@ -240,7 +267,11 @@ bool LiveRun::was_interrupted() const { return stop_requested.load(); }
 std::optional<nav::OutsideView> LiveRun::outside() {
   if (building_ == nullptr) return std::nullopt;
   return building_->with(
-      0, [](const hal::SimBuilding& building, const hal::PtyKobuki&) { return nav::outside_view(building.record(0)); });
+      0, [](const hal::SimBuilding& building, const hal::BaseCable&) { return nav::outside_view(building.record(0)); });
+}
+
+void LiveRun::write_camera(mapper::JsonWriter& json) const {
+  if (stream_camera_ != nullptr) write_stream(json, stream_camera_->counts());
 }
 
 double LiveRun::building_late_s() const {
@@ -249,7 +280,7 @@ double LiveRun::building_late_s() const {
 
 hal::Result<void> LiveRun::finish_recording() {
   auto buses = buses_->finish_recording();
-  return recorder_ == nullptr ? std::move(buses) : recorder_->finish();
+  return recording_ == nullptr ? std::move(buses) : recording_->finish();
 }
 
 std::vector<nav::ThreadTime> LiveRun::thread_times() const {
@@ -269,11 +300,13 @@ hal::Result<std::string> LiveRun::find_port() {
 
 hal::DepthCamera& LiveRun::camera() {
   if (sim_camera_ != nullptr) return *sim_camera_;
+  if (stream_camera_ != nullptr) return *stream_camera_;
   return no_camera_;
 }
 
 void LiveRun::end_camera() {
   if (sim_camera_ != nullptr) sim_camera_->stop();
+  if (stream_camera_ != nullptr) stream_camera_->stop();
   no_camera_.stop();
 }
 
@@ -293,7 +326,7 @@ void LiveRun::note_base() {
   guard_.reset();  // with its own zeros
   base_.stands = base_.state.commanded == hal::Twist{};
   if (building_ != nullptr) {
-    base_.stands = building_->with(0, [](hal::SimBuilding& building, hal::PtyKobuki&) {
+    base_.stands = building_->with(0, [](hal::SimBuilding& building, hal::BaseCable&) {
       return building.kobuki(0).drive() == hal::kobuki::BaseControl{};
     });
   }

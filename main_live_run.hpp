@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/clock.hpp"
@@ -14,9 +15,11 @@
 #include "hal/sim/disk_faults.hpp"
 #include "hal/sim/observable.hpp"
 #include "hal/sim/real_time_building.hpp"
+#include "hal/stream/stream_camera.hpp"
 #include "main_buses.hpp"
 #include "main_commands.hpp"
 #include "main_network.hpp"
+#include "main_record.hpp"
 #include "main_robot.hpp"
 #include "main_service.hpp"
 #include "nav/coverage.hpp"
@@ -41,6 +44,9 @@ class NoCamera final : public hal::DepthCamera {
   hal::CameraModel model_;
   hal::Parking waits_;
 };
+
+/// How the board file names a camera whose frames come out of a byte stream.
+inline constexpr std::string_view kStreamSource = "stream:";
 
 /// The simulated building before its time begins.
 struct Place {
@@ -87,11 +93,22 @@ class LiveRun {
   [[nodiscard]] const Buses& buses() const { return *buses_; }
   /// What people said.
   void write_control(mapper::JsonWriter& json) const { g3d::write_control(json, robot_->hotline(), control_counts_); }
-  [[nodiscard]] std::uint64_t unrecorded_bytes() const { return recorder_ == nullptr ? 0 : recorder_->lost_bytes(); }
+  /// How the camera's stream did; nothing without one.
+  void write_camera(mapper::JsonWriter& json) const;
+  [[nodiscard]] std::string camera_error() const { return stream_camera_ ? stream_camera_->last_error() : ""; }
+  [[nodiscard]] std::uint64_t unrecorded_bytes() const {
+    return recording_ == nullptr ? 0 : recording_->line()->lost_bytes();
+  }
+  /// The recording is finished: `hash` of the map goes with it.
+  void end_recording(const std::string& hash);
+  void write_recording(mapper::JsonWriter& json) const {
+    if (recording_ != nullptr) recording_->write(json, run_s_);
+  }
 
  private:
   [[nodiscard]] hal::Result<std::string> find_port();
   [[nodiscard]] hal::Result<void> begin_recording();
+  void record(nav::RobotParts& parts);
   [[nodiscard]] hal::DepthCamera& camera();
   void end_camera();
   void say_words(hal::TimeNs since_ns);
@@ -104,7 +121,7 @@ class LiveRun {
   const LiveOptions& options_;
   const nav::RobotConfig& config_;
   const Staging& staging_;
-  hal::RealClock clock_;
+  hal::SlowClock clock_;
   hal::TimeNs begin_ns_ = 0;
   std::optional<hal::DiskFaults> bad_disk_;
   std::optional<hal::DiskInstead> disk_instead_;
@@ -112,11 +129,12 @@ class LiveRun {
   std::optional<nav::CoverageMeter> meter_;
   std::unique_ptr<hal::RealTimeBuilding> building_;
   std::unique_ptr<hal::RealTimeBuilding::Camera> sim_camera_;
+  std::unique_ptr<hal::StreamCamera> stream_camera_;
   hal::SerialPort port_;
   std::optional<hal::kobuki::LineGuard> guard_;
   NoCamera no_camera_;
   ServiceReport service_;
-  std::unique_ptr<hal::kobuki::LineRecorder> recorder_;
+  std::unique_ptr<RunRecording> recording_;
   nav::TeamLink team_link_;
   std::unique_ptr<Buses> buses_;
   std::unique_ptr<nav::RobotThreads> robot_;

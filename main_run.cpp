@@ -20,6 +20,7 @@
 #include "hal/replay/trajectory_file.hpp"
 #include "main_commands.hpp"
 #include "main_paging.hpp"
+#include "main_record.hpp"
 #include "main_run.hpp"
 #include "main_say.hpp"
 #include "main_setup.hpp"
@@ -180,6 +181,10 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
                              .footprint = footprint.value(),
                              .aligner = aligner.get(),
                              .looped = looped.get()});
+  if (source.run != nullptr && source.run->footprint && !footprint.value()) {
+    mapper.free_footprint(source.run->footprint->at_m, source.run->footprint->radius_m,
+                          source.run->footprint->height_m);
+  }
   catch_stop_signals(pipeline);
   std::unique_ptr<mapper::Checkpoint> checkpoint;
   if (options.checkpoint_s > 0.0) {
@@ -214,6 +219,9 @@ int map_source(Source source, const board::Board& board, const MappingOptions& o
   report_alignment(looped != nullptr ? &looped->aligner() : aligner.get(), options, report);
   if (looped != nullptr) report.loops = looped->report();
   report.notes.insert(report.notes.begin(), source.notes.begin(), source.notes.end());
+  if (source.run != nullptr) {
+    report.notes.push_back(compare_with_run(*source.run, report.hash, report.frames.integrated, source.run_frames));
+  }
   if (!gathered.first_error.empty()) report.notes.push_back(gathered.first_error);
   if (!gathered.is_all_in_memory) {
     report.notes.push_back(
@@ -307,17 +315,30 @@ hal::Result<std::unique_ptr<hal::PoseSource>> poses_or_start(const ReplayOptions
 }  // namespace
 
 int run_replay(const ReplayOptions& options, const std::string& command_line) {
-  const auto board = effective_board(options.mapping);
+  MappingOptions mapping = options.mapping;
+  mapping.board_path = board_of_recording(options.log_dir, mapping.board_path);
+  const auto board = effective_board(mapping);
   if (!board) return fail(board.error().text);
   auto camera = hal::ReplayCamera::open(options.log_dir);
   if (!camera) return fail(camera.error().text);
   std::vector<std::string> notes = camera.value()->warnings();
-  auto poses = poses_or_start(options, board.value(), notes);
-  if (!poses) return fail(poses.error().text);
-  if (!options.mapping.quiet) {
+  if (!mapping.quiet) {
     for (const std::string& warning : camera.value()->warnings()) fmt::print(stderr, "g3dmap: warning: {}\n", warning);
   }
-  return map_source({*camera.value(), *poses.value(), std::move(notes)}, board.value(), options.mapping, command_line);
+  if (options.poses_path.empty() && mapping.odometry == "given") {
+    auto run = open_recorded_run(options.log_dir);
+    if (!run) return fail(run.error().text);
+    if (run.value()) {
+      const RecordedRun& recorded = *run.value();
+      mapping.no_colour = mapping.no_colour || !recorded.log.with_colour;
+      hal::MaskedCamera as_mapped(*camera.value(), options.log_dir, recorded.log.masked);
+      return map_source({as_mapped, *recorded.poses, std::move(notes), &recorded.log, recorded.poses->count()},
+                        board.value(), mapping, command_line);
+    }
+  }
+  auto poses = poses_or_start(options, board.value(), notes);
+  if (!poses) return fail(poses.error().text);
+  return map_source({*camera.value(), *poses.value(), std::move(notes)}, board.value(), mapping, command_line);
 }
 
 }  // namespace g3d

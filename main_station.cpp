@@ -41,7 +41,7 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (!options.area.empty()) what = "--area";
   if (!options.start.empty()) what = "--start";
   if (options.drift > 0.0) what = "--drift";
-  if (options.record) what = "--record";
+  if (!options.record.empty()) what = "--record";
   if (options.mapping.loops) what = "--loops";
   if (options.mapping.odometry != "given") what = "--odometry";
   if (!options.staging.at.empty()) what = "--at";

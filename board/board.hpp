@@ -16,7 +16,9 @@ struct Board {
   std::string base_line = "sim";
 
   // [camera] pinhole intrinsics of the depth image, colour registered to it
-  std::string camera_source = "sim";  ///< of live frames: "sim", in the same building; "none": the base stands
+  /// Of live frames: "sim", in the same building; "none": the base stands; "stream:PLACE": out of a byte stream, where
+  /// PLACE is tcp:ADDRESS:PORT, or the path of a unix socket or of a device
+  std::string camera_source = "sim";
   int camera_width_px = 640;
   int camera_height_px = 480;
   double camera_fx_px = 525.0;

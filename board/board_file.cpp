@@ -36,7 +36,13 @@ bool is_printable(const std::string& text) {
 
 bool is_allowed(const BoardField& field, const std::string& text) {
   if (field.choices.empty()) return !text.empty() && text.size() <= field.most_bytes && is_printable(text);
-  return std::find(field.choices.begin(), field.choices.end(), text) != field.choices.end();
+  // "stream:PLACE" stands for every text that begins with "stream:".
+  return std::any_of(field.choices.begin(), field.choices.end(), [&text](std::string_view choice) {
+    constexpr std::string_view kOpen = ":PLACE";
+    if (!choice.ends_with(kOpen)) return choice == text;
+    choice.remove_suffix(kOpen.size() - 1);
+    return text.starts_with(choice) && text.size() > choice.size() && is_printable(text);
+  });
 }
 
 /// Writes one value into the board, if its type and range are right.

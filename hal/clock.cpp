@@ -26,6 +26,20 @@ void RealClock::sleep_until(TimeNs t_ns) {
   }
 }
 
+// In parts, as nanoseconds since the machine began times a hundred may not fit.
+TimeNs SlowClock::now() const {
+  const TimeNs real_ns = RealClock().now();
+  const TimeNs slow = slow_percent_;
+  return real_ns / slow * 100 + real_ns % slow * 100 / slow;
+}
+
+void SlowClock::sleep_until(TimeNs t_ns) {
+  if (t_ns <= 0) return;
+  const TimeNs slow = slow_percent_;
+  // Rounded up: it must not be earlier then by our own reckoning.
+  RealClock().sleep_until(t_ns / 100 * slow + (t_ns % 100 * slow + 99) / 100);
+}
+
 void DataClock::sleep_until(TimeNs t_ns) {
   (void)sleepers_.wait([&] { return now() >= t_ns; });  // false: closed, and nothing is left to wait for
 }

@@ -26,6 +26,20 @@ class RealClock final : public Clock {
   void sleep_until(TimeNs t_ns) override;
 };
 
+/// CLOCK_MONOTONIC at a slower pace, for a world that an emulated machine or a busy one can keep up with: everything
+/// that reads it believes that it lives in real time. At 100 it is RealClock.
+class SlowClock final : public Clock {
+ public:
+  /// `slow_percent`: hundredths of a real second that one of its seconds takes, 100 to 10000.
+  explicit SlowClock(std::uint32_t slow_percent = 100) : slow_percent_(slow_percent) {}
+  [[nodiscard]] TimeNs now() const override;
+  void sleep_until(TimeNs t_ns) override;
+  [[nodiscard]] std::uint32_t slow_percent() const { return slow_percent_; }
+
+ private:
+  const std::uint32_t slow_percent_;
+};
+
 /// Time as the data tell it, beginning with 0.
 class DataClock final : public Clock {
  public:

@@ -165,10 +165,12 @@ void RobotThreads::integrate(JudgedFrame& judged) {
   placing_.place(frame, mapper_.map(), judged.sight);
   T_world_odometry_.write(placing_.T_world_odometry());
   add_time(Stage::align, align_start_ns);
+  hal::MappedNote note{frame.stamp_ns, judged.sight.T_world_camera, {}};
   if (integrated_.load(std::memory_order_relaxed) == 0) {
     const hal::PlanarPose& base = judged.sight.T_world_base;
-    mapper_.free_footprint({base.x_m, base.y_m, 0.0}, config_.robot.navigator.explorer.body_radius_m,
-                           config_.robot.robot_height_m);
+    const double radius_m = config_.robot.navigator.explorer.body_radius_m;
+    mapper_.free_footprint({base.x_m, base.y_m, 0.0}, radius_m, config_.robot.robot_height_m);
+    note.footprint = {base.x_m, base.y_m, 0.0, radius_m, config_.robot.robot_height_m};
   }
   const hal::TimeNs start_ns = parts_.clock.now();
   const mapper::FrameReport report = mapper_.integrate(frame, judged.sight.T_world_camera);
@@ -183,6 +185,7 @@ void RobotThreads::integrate(JudgedFrame& judged) {
   refused_blocks_ += report.refused_blocks;
   integrated_.fetch_add(1, std::memory_order_relaxed);
   if (!poses_.try_push({frame.stamp_ns, judged.sight.T_world_camera})) ++lost_poses_;
+  if (parts_.on_mapped) parts_.on_mapped(note, &frame == &whole ? nullptr : &frame);
 
   if (note_changed_) note_changed_(mapper_.changed_slots());
   shown_ = judged;

@@ -27,6 +27,7 @@
 #include "hal/kobuki/base_thread.hpp"
 #include "hal/latest.hpp"
 #include "hal/parking.hpp"
+#include "hal/record/frame_recorder.hpp"
 #include "hal/replay/trajectory_file.hpp"
 #include "hal/ring.hpp"
 #include "mapper/mapper.hpp"
@@ -66,6 +67,9 @@ struct RobotParts {
   hal::kobuki::LineRecorder* recorder = nullptr;
   /// 0..1 of what can be seen: for somebody who knows the building. May be empty. The navigator's thread.
   std::function<double(const GroundMap&)> coverage;
+  /// Every frame that is in the map now; `masked`: as it was mapped, where that is not as it came. May be empty; must
+  /// not wait. The mapper's thread.
+  std::function<void(const hal::MappedNote&, const hal::Frame* masked)> on_mapped = {};
 };
 
 /// CPU time that each thread has used.

@@ -56,6 +56,10 @@ CameraRead ReplayCamera::read(Frame& out) {
 
 Result<void> ReplayCamera::read_depth(const RecordedFrame& recorded, Frame& out) {
   if (Result<void> read = read_file_into(recorded.depth_path, kMaxImageFile_bytes, file_); !read) return read;
+  if (is_packed_image(file_)) {
+    return packed_.unpack_depth(file_, recorded.depth_path, size_of(log_.camera),
+                                std::span(out.depth.get(), log_.camera.pixel_count()));
+  }
   return png_.decode_depth(file_, recorded.depth_path, size_of(log_.camera),
                            std::span(out.depth.get(), log_.camera.pixel_count()));
 }
@@ -77,6 +81,7 @@ Result<void> ReplayCamera::decode_colour(const std::string& path, Frame& out) {
   if (Result<void> read = read_file_into(path, kMaxImageFile_bytes, file_); !read) return read;
   const std::span<std::uint8_t> rgb(out.rgb.get(), 3 * log_.camera.pixel_count());
   if (begins_like_jpeg(file_)) return jpeg_.decode_rgb(file_, path, size_of(log_.camera), rgb);
+  if (is_packed_image(file_)) return packed_.unpack_rgb(file_, path, size_of(log_.camera), rgb);
   return png_.decode_rgb(file_, path, size_of(log_.camera), rgb);
 }
 

@@ -10,6 +10,7 @@
 #include "hal/depth_camera.hpp"
 #include "hal/image/jpeg_reader.hpp"
 #include "hal/image/png_reader.hpp"
+#include "hal/record/packed_image.hpp"
 #include "hal/replay/tum_folder.hpp"
 #include "hal/result.hpp"
 
@@ -48,6 +49,7 @@ class ReplayCamera final : public DepthCamera {
 
   PngReader png_;
   JpegReader jpeg_;
+  ImageUnpacker packed_;
   std::vector<std::uint8_t> file_;  // the image file of the moment; keeps its capacity
 };
 

@@ -8,28 +8,29 @@
 
 #include "hal/byte_line.hpp"
 #include "hal/result.hpp"
+#include "hal/sim/base_cable.hpp"
 
 namespace g3d::hal {
 
-class PtyKobuki {
+class PtyKobuki final : public BaseCable {
  public:
   /// `link`, if not empty: a symbolic link that always points to the terminal, also after plug_in().
   [[nodiscard]] static Result<PtyKobuki> open(const std::string& link = {});
-  ~PtyKobuki();
+  ~PtyKobuki() override;
   PtyKobuki(PtyKobuki&& other) noexcept;
   PtyKobuki& operator=(PtyKobuki&&) = delete;
 
   /// /dev/pts/N, empty while unplugged.
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::string path() const override { return path_; }
   /// What the host wrote goes to the device, what the device says to the host. Never blocks; what does not fit into
   /// the terminal's buffer, because the host does not read, is lost and counted.
-  void pump(ByteLine& device);
-  [[nodiscard]] std::uint64_t lost_bytes() const { return lost_bytes_; }
+  void pump(ByteLine& device) override;
+  [[nodiscard]] std::uint64_t lost_bytes() const override { return lost_bytes_; }
 
   /// The host sees its port vanish.
-  void pull_out();
+  void pull_out() override;
   /// Another terminal, and another path but for the link.
-  [[nodiscard]] Result<void> plug_in();
+  [[nodiscard]] Result<void> plug_in() override;
 
  private:
   explicit PtyKobuki(std::string link) : link_(std::move(link)) {}

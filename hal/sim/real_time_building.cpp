@@ -4,28 +4,35 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/sim/pty_kobuki.hpp"
+
 namespace g3d::hal {
 
 Result<std::unique_ptr<RealTimeBuilding>> RealTimeBuilding::start(World world, const SimBuildingOptions& options,
                                                                   Clock& clock, const std::vector<std::string>& links) {
-  std::vector<PtyKobuki> ptys;
-  ptys.reserve(options.robots.size());
+  std::vector<std::unique_ptr<BaseCable>> cables;
+  cables.reserve(options.robots.size());
   for (std::size_t i = 0; i < options.robots.size(); ++i) {
     auto pty = PtyKobuki::open(i < links.size() ? links[i] : std::string{});
     if (!pty) return pty.error();
-    ptys.push_back(std::move(pty).value());
+    cables.push_back(std::make_unique<PtyKobuki>(std::move(pty).value()));
   }
-  return std::unique_ptr<RealTimeBuilding>(new RealTimeBuilding(std::move(world), options, clock, std::move(ptys)));
+  return start(std::move(world), options, clock, std::move(cables));
+}
+
+std::unique_ptr<RealTimeBuilding> RealTimeBuilding::start(World world, const SimBuildingOptions& options, Clock& clock,
+                                                          std::vector<std::unique_ptr<BaseCable>> cables) {
+  return std::unique_ptr<RealTimeBuilding>(new RealTimeBuilding(std::move(world), options, clock, std::move(cables)));
 }
 
 RealTimeBuilding::RealTimeBuilding(World world, const SimBuildingOptions& options, Clock& clock,
-                                   std::vector<PtyKobuki> ptys)
+                                   std::vector<std::unique_ptr<BaseCable>> cables)
     : clock_(clock),
       begin_ns_(clock.now()),
       period_ns_(options.step_ns),
       building_(std::move(world), options),
-      ptys_(std::move(ptys)),
-      lines_up_(ptys_.size(), true),
+      cables_(std::move(cables)),
+      lines_up_(cables_.size(), true),
       thread_([this] { run(); }) {}
 
 RealTimeBuilding::~RealTimeBuilding() {
@@ -41,10 +48,10 @@ void RealTimeBuilding::run() {
       latest_step_ns_.store(late_ns, std::memory_order_relaxed);
     }
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < ptys_.size(); ++i) join_line(i);
-    for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
+    for (std::size_t i = 0; i < cables_.size(); ++i) join_line(i);
+    for (std::size_t i = 0; i < cables_.size(); ++i) cables_[i]->pump(building_.line(i));
     building_.advance_to(due_ns - begin_ns_);
-    for (std::size_t i = 0; i < ptys_.size(); ++i) ptys_[i].pump(building_.line(i));
+    for (std::size_t i = 0; i < cables_.size(); ++i) cables_[i]->pump(building_.line(i));
   }
 }
 
@@ -54,14 +61,14 @@ void RealTimeBuilding::join_line(std::size_t robot) {
   if (is_up == lines_up_[robot]) return;
   lines_up_[robot] = is_up;
   if (!is_up) {
-    ptys_[robot].pull_out();
-  } else if (!ptys_[robot].plug_in()) {
+    cables_[robot]->pull_out();
+  } else if (!cables_[robot]->plug_in()) {
     lines_up_[robot] = false;  // no terminal is free: again at the next step
   }
 }
 
 std::string RealTimeBuilding::path(std::size_t robot) {
-  return with(robot, [](SimBuilding&, const PtyKobuki& pty) { return pty.path(); });
+  return with(robot, [](SimBuilding&, const BaseCable& cable) { return cable.path(); });
 }
 
 RealTimeBuilding::Camera::Camera(RealTimeBuilding& building, std::size_t robot, double rate_hz)
@@ -78,7 +85,7 @@ CameraRead RealTimeBuilding::Camera::read(Frame& out) {
     const TimeNs now_ns = building_.clock_.now() - building_.begin_ns_;
     next_ = std::max(next_, static_cast<std::uint64_t>(std::max<TimeNs>(now_ns, 0) / period_ns_));
     building_.clock_.sleep_until(building_.begin_ns_ + static_cast<TimeNs>(next_) * period_ns_);
-    const bool has_power = building_.with(robot_, [&](SimBuilding& building, const PtyKobuki&) {
+    const bool has_power = building_.with(robot_, [&](SimBuilding& building, const BaseCable&) {
       if (!building.kobuki(robot_).kinect_has_power()) return false;
       building.glance(robot_, glance_);
       return true;

@@ -13,7 +13,7 @@
 
 #include "hal/clock.hpp"
 #include "hal/depth_camera.hpp"
-#include "hal/sim/pty_kobuki.hpp"
+#include "hal/sim/base_cable.hpp"
 #include "hal/sim/sim_building.hpp"
 
 namespace g3d::hal {
@@ -25,6 +25,10 @@ class RealTimeBuilding {
   [[nodiscard]] static Result<std::unique_ptr<RealTimeBuilding>> start(World world, const SimBuildingOptions& options,
                                                                        Clock& clock,
                                                                        const std::vector<std::string>& links = {});
+  /// The same with other cables, one per robot.
+  [[nodiscard]] static std::unique_ptr<RealTimeBuilding> start(World world, const SimBuildingOptions& options,
+                                                               Clock& clock,
+                                                               std::vector<std::unique_ptr<BaseCable>> cables);
   ~RealTimeBuilding();
   RealTimeBuilding(const RealTimeBuilding&) = delete;
   RealTimeBuilding& operator=(const RealTimeBuilding&) = delete;
@@ -32,11 +36,11 @@ class RealTimeBuilding {
   [[nodiscard]] std::string path(std::size_t robot);
   /// Clock time at which the building began.
   [[nodiscard]] TimeNs begin_ns() const { return begin_ns_; }
-  /// work(SimBuilding&, PtyKobuki& of the robot) while nothing moves. Any thread; keep it short.
+  /// work(SimBuilding&, BaseCable& of the robot) while nothing moves. Any thread; keep it short.
   template <typename Work>
   auto with(std::size_t robot, const Work& work) {
     const std::lock_guard lock(mutex_);
-    return work(building_, ptys_[robot]);
+    return work(building_, *cables_[robot]);
   }
   /// The largest delay of a step so far: above some ms the machine is too busy for real time.
   [[nodiscard]] TimeNs latest_step_ns() const { return latest_step_ns_.load(std::memory_order_relaxed); }
@@ -49,6 +53,8 @@ class RealTimeBuilding {
     [[nodiscard]] CameraRead read(Frame& out) override;
     /// read() says `end` from now on. Any thread.
     void stop() { stopped_.store(true, std::memory_order_release); }
+    /// From where the last frame was taken, and when. The reading thread.
+    [[nodiscard]] const SimBuilding::Glance& glance() const { return glance_; }
 
    private:
     RealTimeBuilding& building_;
@@ -61,16 +67,17 @@ class RealTimeBuilding {
   };
 
  private:
-  RealTimeBuilding(World world, const SimBuildingOptions& options, Clock& clock, std::vector<PtyKobuki> ptys);
+  RealTimeBuilding(World world, const SimBuildingOptions& options, Clock& clock,
+                   std::vector<std::unique_ptr<BaseCable>> cables);
   void run();
   void join_line(std::size_t robot);
 
   Clock& clock_;
   TimeNs begin_ns_;
   TimeNs period_ns_;
-  std::mutex mutex_;  ///< guards building_ and ptys_
+  std::mutex mutex_;  ///< guards building_ and cables_
   SimBuilding building_;
-  std::vector<PtyKobuki> ptys_;
+  std::vector<std::unique_ptr<BaseCable>> cables_;
   std::vector<bool> lines_up_;  ///< the thread's
   std::atomic<bool> stop_{false};
   std::atomic<TimeNs> latest_step_ns_{0};  ///< written by the thread alone

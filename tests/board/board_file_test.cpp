@@ -138,3 +138,12 @@ TEST_CASE("the boards that come with the program are good") {
   CHECK(kobuki.value().map_window_radius_m == 15.0);
   CHECK(board::load_board("board/none.toml").error().reason == Reason::not_found);
 }
+
+TEST_CASE("a camera's stream is named by its place") {
+  const auto board = parse_board("[base]\nline = \"auto\"\n[camera]\nsource = \"stream:/dev/virtio-ports/cam\"\n", "b");
+  REQUIRE(board.ok());
+  CHECK(board.value().camera_source == "stream:/dev/virtio-ports/cam");
+  CHECK_FALSE(parse_board("[camera]\nsource = \"stream:\"\n", "b").ok());
+  CHECK_FALSE(parse_board("[camera]\nsource = \"stream:PLACE\\\\\"\n", "b").ok());
+  CHECK_FALSE(parse_board("[camera]\nsource = \"streams\"\n", "b").ok());
+}

@@ -45,3 +45,28 @@ TEST_CASE("Several threads advance the data clock to the latest of their times",
   for (auto& thread : threads) thread.join();
   CHECK(clock.now() == 3 * 4'999 + 2);
 }
+
+TEST_CASE("a slow clock is the real one at 100, and goes as many times slower as it is told to") {
+  const RealClock real;
+  const SlowClock same, slow(400), odd(333);
+  const TimeNs before_ns = real.now();
+  const TimeNs same_ns = same.now(), slow_ns = slow.now(), odd_ns = odd.now();
+  const TimeNs after_ns = real.now();
+  CHECK(same_ns >= before_ns);
+  CHECK(same_ns <= after_ns);
+  CHECK(slow_ns >= before_ns / 4 - 1);
+  CHECK(slow_ns <= after_ns / 4);
+  CHECK(odd_ns >= before_ns / 333 * 100);
+  CHECK(odd_ns <= after_ns / 333 * 100 + 100);
+}
+
+TEST_CASE("who sleeps by a slow clock sleeps longer, and not too short by its own") {
+  const RealClock real;
+  SlowClock slow(350);
+  const TimeNs begin_ns = real.now(), slow_begin_ns = slow.now();
+  slow.sleep_until(slow_begin_ns + 10'000'000);
+  CHECK(slow.now() >= slow_begin_ns + 10'000'000);
+  CHECK(real.now() - begin_ns >= 34'990'000);
+  slow.sleep_until(0);
+  slow.sleep_until(-5);
+}

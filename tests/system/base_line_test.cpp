@@ -86,10 +86,10 @@ struct Robot {
     return status;
   }
   double speed_mps() {
-    return building->with(0, [](SimBuilding& b, PtyKobuki&) { return b.body(0).velocity().forward_mps; });
+    return building->with(0, [](SimBuilding& b, BaseCable&) { return b.body(0).velocity().forward_mps; });
   }
   bool is_told_to_stand() {
-    return building->with(0, [](SimBuilding& b, PtyKobuki&) { return b.kobuki(0).drive() == BaseControl{}; });
+    return building->with(0, [](SimBuilding& b, BaseCable&) { return b.kobuki(0).drive() == BaseControl{}; });
   }
   bool within_ms(int limit_ms, const std::function<bool()>& condition) {
     const TimeNs end_ns = clock.now() + limit_ms * kMs;
@@ -132,10 +132,10 @@ TEST_CASE(
     "Unplugged while driving: stopped as soon as it is plugged in again, then it drives on; and the guard moved "
     "along") {
   Robot robot;
-  robot.building->with(0, [](SimBuilding&, PtyKobuki& pty) { pty.pull_out(); });
+  robot.building->with(0, [](SimBuilding&, BaseCable& cable) { cable.pull_out(); });
   robot.clock.sleep_until(robot.clock.now() + 300 * kMs);
   CHECK(robot.speed_mps() > 0.25);  // nobody can tell it
-  robot.building->with(0, [](SimBuilding&, PtyKobuki& pty) { REQUIRE(pty.plug_in().ok()); });
+  robot.building->with(0, [](SimBuilding&, BaseCable& cable) { REQUIRE(cable.plug_in().ok()); });
   CHECK(robot.within_ms(1'000, [&] { return robot.is_told_to_stand(); }));
   CHECK(robot.within_ms(2'000, [&] { return robot.speed_mps() > 0.25; }));
   robot.end(SIGKILL);

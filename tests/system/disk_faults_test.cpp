@@ -38,8 +38,9 @@ bool loses_bytes(std::string_view fault) {
 std::vector<std::string> real_time_run(const test::TempFolder& folder, const std::string& out,
                                        const std::vector<std::string>& more) {
   test::write_plain(folder / "b.toml", "name = \"b\"\n[map]\nresolution_m = 0.1\nthreads = 1\nmemory_mb = 64\n");
-  std::vector<std::string> arguments{"run",     "--board", folder / "b.toml", "--world",  "house", "--camera",
-                                     "80x60@5", "--quiet", "--json",          "--record", "--out", out};
+  std::vector<std::string> arguments{"run",     "--board", folder / "b.toml", "--world",  "house",        "--camera",
+                                     "80x60@5", "--quiet", "--json",          "--record", folder / "log", "--out",
+                                     out};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

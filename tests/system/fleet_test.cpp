@@ -223,7 +223,7 @@ TEST_CASE("bad usage of a fleet is exit code 2", "[system][fleet][usage]") {
       {"--key", key, "--area", "0,0,1,1"},
       {"--key", key, "--start", "1"},
       {"--key", key, "--drift", "1"},
-      {"--key", key, "--record"},
+      {"--key", key, "--record", "log"},
       {"--key", key, "--odometry", "aligned"},
       {"--key", key, "--at", "1:pause"},
       {"--key", key, "--battery", "5"},

@@ -51,9 +51,9 @@ std::vector<std::string> in_simulation(const TempFolder& folder, const std::vect
 
 TEST_CASE("a robot explores in real time until Ctrl-C; then it stands, and everything is saved", "[system][run]") {
   const TempFolder folder;
-  const std::string out = folder / "out";
-  Program program(g3dmap_path(), in_simulation(folder, {"--record", "--out", out}));
-  CHECK(becomes_true([&] { return odometry_of(out + "/kobuki.bin").rotation_rad > 1.0; }));
+  const std::string out = folder / "out", log = folder / "log";
+  Program program(g3dmap_path(), in_simulation(folder, {"--record", log, "--out", out}));
+  CHECK(becomes_true([&] { return odometry_of(log + "/kobuki.bin").rotation_rad > 1.0; }));
   program.send(SIGINT);
   const ProgramResult result = program.finish(std::chrono::seconds(60));
   INFO(result.err);
@@ -78,7 +78,7 @@ TEST_CASE("a robot explores in real time until Ctrl-C; then it stands, and every
   REQUIRE(way.ok());
   CHECK(way.value().size() == report_number(report, "integrated"));
   // Everything that came over the line is in the recording.
-  CHECK(odometry_of(out + "/kobuki.bin").rejects.accepted_frames == report_number(report, "packets"));
+  CHECK(odometry_of(log + "/kobuki.bin").rejects.accepted_frames == report_number(report, "packets"));
 }
 
 TEST_CASE("a robot stops when its time is over, and writes nothing where it was not asked to", "[system][run]") {
@@ -93,7 +93,7 @@ TEST_CASE("a robot stops when its time is over, and writes nothing where it was 
 
 TEST_CASE("a base at a real line stands without a camera, and its bytes are recorded", "[system][run]") {
   const TempFolder folder;
-  const std::string out = folder / "out";
+  const std::string out = folder / "out", log = folder / "log";
   hal::RealClock clock;
   hal::World world;
   world.add_floor({0.0, 0.0, 0.0}, 20.0, 20.0, 0.1, {});
@@ -104,8 +104,8 @@ TEST_CASE("a base at a real line stands without a camera, and its bytes are reco
   REQUIRE(building.ok());
   write_plain(folder / "b.toml", "[base]\nline = \"" + (folder / "kobuki") +
                                      "\"\n[camera]\nsource = \"none\"\n[map]\nresolution_m = 0.1\nmemory_mb = 16\n");
-  Program program(g3dmap_path(), {"run", "--board", folder / "b.toml", "--record", "--quiet", "--out", out});
-  CHECK(becomes_true([&] { return odometry_of(out + "/kobuki.bin").poses.size() > 50; }));
+  Program program(g3dmap_path(), {"run", "--board", folder / "b.toml", "--record", log, "--quiet", "--out", out});
+  CHECK(becomes_true([&] { return odometry_of(log + "/kobuki.bin").poses.size() > 50; }));
   program.send(SIGTERM);
   const ProgramResult result = program.finish(std::chrono::seconds(60));
   INFO(result.err);
@@ -116,7 +116,7 @@ TEST_CASE("a base at a real line stands without a camera, and its bytes are reco
   CHECK(report_number(out + "/report.json", "packets") > 50);
   CHECK(report_number(out + "/report.json", "delivered") == 0);
   CHECK_FALSE(contains(report, "\"collisions\""));  // nobody knows from outside
-  building.value()->with(0, [](hal::SimBuilding& b, hal::PtyKobuki&) {
+  building.value()->with(0, [](hal::SimBuilding& b, hal::BaseCable&) {
     CHECK(b.kobuki(0).drive() == hal::kobuki::BaseControl{});
     CHECK(b.record(0).driven_m == 0.0);
   });
@@ -145,7 +145,9 @@ TEST_CASE("what is wrong with a board or an option is said before anything moves
   expect("[base]\nline = \"auto\"\n[camera]\nsource = \"none\"\n", {}, 1, "plug the base in");
   expect("[base]\nline = \"auto\"\n[camera]\nsource = \"none\"\n", {"--camera", "64x48@5"}, 2, "--camera");
   expect("[map]\nmode = \"static\"\n", {}, 2, "static");
-  expect("", {"--record"}, 2, "--out");
+  expect("", {"--record"}, 2, "--record");
+  expect("", {"--record", folder / "one", "--out", folder / "one"}, 2, "need a folder each");
+  expect("", {"--slow", "2"}, 2, "g3dmap building");
   expect("", {"--loops"}, 2, "add --odometry aligned");
   expect("", {"--loops", "--odometry", "aligned", "--mapper", "cuda"}, 2, "does not go with --mapper cuda");
   expect("", {"--camera", "big"}, 2, "160x120@10");

@@ -66,7 +66,7 @@ TEST_CASE("a base behind a terminal talks at 50 Hz, obeys and is seen to move", 
   CHECK(middle.back() < middle.front() - 200);
   camera.stop();
   CHECK(camera.read(frame).event == CameraEvent::end);
-  const double driven_m = building.with(0, [](SimBuilding& b, PtyKobuki&) { return b.T_world_base(0).x_m; });
+  const double driven_m = building.with(0, [](SimBuilding& b, BaseCable&) { return b.T_world_base(0).x_m; });
   CHECK(driven_m > 0.2);
   ::close(host);
 }
@@ -78,12 +78,12 @@ TEST_CASE("a camera whose rail is off gives no frame until it is on again", "[th
   RealTimeBuilding& building = *started.value();
   const std::array<std::uint8_t, 8> off = {0xaa, 0x55, 0x04, 0x0c, 0x02, 0x70, 0x00, 0x7a};
   const std::array<std::uint8_t, 8> on = {0xaa, 0x55, 0x04, 0x0c, 0x02, 0xf0, 0x00, 0xfa};
-  CHECK(building.with(0, [&](SimBuilding& b, PtyKobuki&) { return b.line(0).write(off); }));
+  CHECK(building.with(0, [&](SimBuilding& b, BaseCable&) { return b.line(0).write(off); }));
   clock.sleep_until(clock.now() + 50'000'000);
   const TimeNs switched_ns = clock.now();
   std::thread later([&] {
     clock.sleep_until(switched_ns + 200'000'000);
-    (void)building.with(0, [&](SimBuilding& b, PtyKobuki&) { return b.line(0).write(on); });
+    (void)building.with(0, [&](SimBuilding& b, BaseCable&) { return b.line(0).write(on); });
   });
   RealTimeBuilding::Camera camera(building, 0, 50.0);
   Frame frame = make_frame(camera.model());
