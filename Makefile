@@ -29,20 +29,28 @@ FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno
 # has in its file is no business of another's names: `make` compiles file by file and looks at that.
 WARN += $(if $(GROUPED),-Wno-shadow $(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
-# Debian has no static libmosquitto; scripts/setup builds one. A build without it has no way to a broker, and says so.
-MOSQUITTO := $(shell scripts/static_libs where)
+# Debian has no static archive of these; scripts/setup builds them. A build without libmosquitto has no way to a broker,
+# one without OpenNI2 and libusb knows no Kinect; both say so. A toolchain for another machine says in STATIC_LIBS_ENV
+# what scripts/static_libs is to compile with.
+static_lib = $(shell $(STATIC_LIBS_ENV) scripts/static_libs where $(1))
+MOSQUITTO := $(call static_lib,mosquitto)
+LIBUSB := $(call static_lib,libusb)
+OPENNI := $(call static_lib,openni2)
 MOSQUITTO_LIB := $(wildcard $(MOSQUITTO)/libmosquitto.a)
+OPENNI_LIB := $(if $(wildcard $(LIBUSB)/libusb-1.0.a),$(wildcard $(OPENNI)/libopenni2.a))
 MQTT_PICK := hal/mqtt/pick/$(if $(MOSQUITTO_LIB),mosquitto,absent).cpp
-LIBS := $(MOSQUITTO_LIB) -lgpiod -lpng -ljpeg -lzstd -lsodium -lz
+KINECT_PICK := $(if $(OPENNI_LIB),$(wildcard hal/kinect/openni/*.cpp hal/kinect/usb/*.cpp),$(wildcard hal/kinect/pick/absent.cpp))
+LIBS := $(MOSQUITTO_LIB) $(if $(OPENNI_LIB),$(OPENNI_LIB) $(LIBUSB)/libusb-1.0.a) -lgpiod -lpng -ljpeg -lzstd -lsodium -lz
 TEST_LIBS := -loctomap -loctomath
 
 KERNEL_SRC := $(wildcard mapper/cpu/kernels/*.cpp)
 ROOMS := $(wildcard board hal mapper nav net)
 HELPER_SRC := $(wildcard mapper/cuda/helper/*.cpp)
-LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% hal/mqtt/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) \
-  $(KERNEL_PICK) $(MQTT_PICK)
+LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% hal/mqtt/pick/% hal/kinect/openni/% hal/kinect/usb/% \
+  hal/kinect/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK) $(MQTT_PICK) $(KINECT_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
-UNIT_SRC := $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' | sort)
+UNIT_SRC := $(filter-out $(if $(OPENNI_LIB),,tests/hal/kinect/openni/%),$(shell find tests -name '*_test.cpp' \
+  -not -path 'tests/system/*' | sort))
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
 # Under the thread sanitizer only what starts threads is worth its time.
 THREAD_SRC := $(shell grep -l '\[threads\]' $(UNIT_SRC) /dev/null)
@@ -62,9 +70,9 @@ group = $(BUILD)/groups/$(1).o$(eval members_$(1) := $(2))
 grouped = $(if $(filter $(1),$(GROUPED)),$(call groups,$(2),$(3)),$(call objects,$(3)))
 
 # Sources that have options of their own.
-OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp $(MQTT_PICK)
+OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp $(MQTT_PICK) $(KINECT_PICK)
 # Where the time of a frame goes, the last optimisation counts.
-HOT_SRC := $(filter mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
+HOT_SRC := $(filter hal/kinect/depth_table.cpp hal/kinect/depth_registration.cpp mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
   nav/column_evidence.cpp net/block_wire.cpp net/range_coder.cpp,$(LIB_SRC))
 # Readers of outside data.
 READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
@@ -76,6 +84,7 @@ READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
   hal/sim/text_fields.cpp hal/sim/world_file.cpp hal/sim/map_world.cpp hal/sim/camera_path.cpp \
   $(addprefix hal/can/,candump.cpp canopen.cpp estop_node.cpp) \
   $(addprefix hal/,record/packed_image.cpp stream/frame_message.cpp stream/frame_reader.cpp) \
+  $(addprefix hal/kinect/,calibration.cpp depth_code.cpp oni_check.cpp oni_records.cpp tilt_unit.cpp) \
   $(addprefix hal/kobuki/,command.cpp feedback_codec.cpp frame_scanner.cpp odometry.cpp packet_gates.cpp packet_reader.cpp),$(LIB_SRC))
 READER_SRC := $(if $(COVERAGE),$(READER_SRC))
 HOT_SRC := $(if $(filter -O2,$(OPT)),$(filter-out $(READER_SRC),$(HOT_SRC)))
@@ -87,7 +96,7 @@ MAIN_OBJ := $(call objects,$(MAIN_SRC))
 LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KERNEL_OBJ)
 
 # Tests that compute much themselves, or have to answer in time. All others are light.
-COMPUTING_TESTS := $(addprefix tests/,net/block_wire_% net/gossip_% net/set_sketch_% hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
+COMPUTING_TESTS := $(addprefix tests/,net/block_wire_% net/gossip_% net/set_sketch_% hal/kinect/% hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
   $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
   $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
     inflation_% navigator_% outputs_% robot_% viewpoints_%))
@@ -163,7 +172,8 @@ help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
 $(EXE): $(MAIN_OBJ) $(LIB)
-	$(SAY) $@$(if $(MOSQUITTO_LIB),, '- without a way to a broker: no libmosquitto (see scripts/static_libs)')
+	$(SAY) $@$(if $(MOSQUITTO_LIB),, '- without a way to a broker: no libmosquitto (see scripts/static_libs)')$(if \
+	  $(OPENNI_LIB),, '- without Kinect and .oni files: no OpenNI2 (see scripts/static_libs)')
 	$(Q)$(CXX) $(FLAGS) $(STATIC) -o $@ $^ $(LIBS)
 
 $(LIB): $(LIB_OBJ)
@@ -247,7 +257,7 @@ soak: build-test ## the long runs, hours of them; starts again where it was stop
 	scripts/soak
 
 SOURCES = $(wildcard main*.hpp) $(shell find $(ROOMS) tests $(MAIN_SRC) -name '*.[ch]pp')
-TIDY_FLAGS := -std=c++20 -I. -isystem $(MOSQUITTO)/include -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
+TIDY_FLAGS := -std=c++20 -I. -isystem $(MOSQUITTO)/include -isystem $(OPENNI)/include -isystem $(LIBUSB)/include -DG3D_VERSION=0 -DG3D_KERNEL_VARIANT=baseline -DG3D_VECTOR_BYTES=16 -DG3D_HELPER_FILE=\"/dev/null\" -DG3D_KERNELS_FILE=\"/dev/null\"
 format: ## clang-format in place
 	clang-format -i $(SOURCES)
 house: ## the rules a machine can check: formatting, SPDX lines, include order, file length, a test per source
@@ -279,6 +289,9 @@ $(BUILD)/mapper/version.o: private FLAGS += -DG3D_VERSION='"$(shell cat $(BUILD)
 
 $(BUILD)/hal/mqtt/pick/mosquitto.o: $(MOSQUITTO_LIB)
 $(BUILD)/hal/mqtt/pick/mosquitto.o: private FLAGS += -isystem $(MOSQUITTO)/include
+KINECT_OBJ := $(filter-out $(BUILD)/hal/kinect/pick/%,$(call objects,$(KINECT_PICK)))
+$(KINECT_OBJ): $(OPENNI_LIB)
+$(KINECT_OBJ): private FLAGS += -isystem $(OPENNI)/include -isystem $(LIBUSB)/include
 
 # Catch2 is parsed once for each set of options, not once per test file: a precompiled header wants the same options as
 # its users.
