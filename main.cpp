@@ -18,6 +18,7 @@ Examples:
   g3dmap replay walk --poses odometry.tum --resolution 0.02 --threads 2 --out out
   g3dmap replay walk --odometry aligned --motion free --out out        poses that drift, from a hand-held camera
   g3dmap replay walk --rate 1 --out out          as fast as it was recorded; late frames are dropped and counted
+  g3dmap replay eyes.oni --odometry none --out out       an OpenNI recording of a Kinect that stood, or with --poses
 
 LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt. Without
 poses they are computed from the base's bytes in kobuki.bin, with the camera mounted as --board says.)";
@@ -134,6 +135,7 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
   command.add_option("--slow", live.slow, "Its clock goes so many times slower, as that of its `g3dmap building`")
       ->check(CLI::Range(1.0, 100.0));
   command.add_option("--record", live.record, "New folder for frames, poses and what the base says, for replay");
+  command.add_option("--record-oni", live.oni_path, "Record what the Kinect sees into this .oni file");
   command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
   command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
   command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));

@@ -96,8 +96,9 @@ struct LiveOptions {
   double drift = 0.0;           ///< how wrong the simulated base's odometry is
   std::string drift_like = "kobuki";
   bool no_noise = false;
-  double slow = 1.0;   ///< its clock: so many seconds pass in one of its own; only with the camera of a building
-  std::string record;  ///< folder for frames, poses and the base's bytes; empty: nothing is recorded
+  double slow = 1.0;     ///< its clock: so many seconds pass in one of its own; only with the camera of a building
+  std::string record;    ///< folder for frames, poses and the base's bytes; empty: nothing is recorded
+  std::string oni_path;  ///< what a Kinect sees is recorded there; empty: nowhere
   StagingOptions staging;
 };
 

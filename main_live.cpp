@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "main_commands.hpp"
+#include "main_kinect.hpp"
 #include "main_live_run.hpp"
 #include "main_network.hpp"
 #include "main_robot.hpp"
@@ -28,7 +29,19 @@ namespace {
 
 std::optional<std::string> contradiction(const board::Board& board, const LiveOptions& options) {
   const bool in_simulation = board.base_line == "sim";
-  if (in_simulation != (board.camera_source == "sim")) {
+  const bool may_be_shown = in_simulation && is_kinect(board);
+  if (board.camera_source.starts_with(kOniSource) && !in_simulation) {
+    return fmt::format(
+        "{}: camera.source = \"{}\": a real base does not drive by what somebody else saw; use "
+        "`g3dmap replay`, or base.line = \"sim\"",
+        options.mapping.board_path, board.camera_source);
+  }
+  if (is_kinect(board) && !options.camera.empty())
+    return "--camera is for a simulated one; a Kinect has 640x480 at 30 Hz";
+  if (!options.oni_path.empty() && board.camera_source != "kinect") {
+    return "--record-oni needs a Kinect: camera.source = \"kinect\" in the board file";
+  }
+  if (!may_be_shown && in_simulation != (board.camera_source == "sim")) {
     return fmt::format(
         "{}: base.line = \"{}\" and camera.source = \"{}\" do not go together: a simulated camera sees "
         "only the building of a simulated base",
@@ -84,6 +97,9 @@ mapper::RunReport make_report(LiveRun& live, const board::Board& board, const Li
   for (const std::string& text : live.buses().notes()) report.notes.push_back(text);
   live.end_recording(report.hash);
   if (const std::string error = live.camera_error(); !error.empty()) report.notes.push_back(error);
+  if (live.kinect() != nullptr) {
+    for (std::string& text : live.kinect()->notes()) report.notes.push_back(std::move(text));
+  }
   if (live.building_late_s() > 0.1) {
     report.notes.push_back(fmt::format("this machine was too busy: the simulated building was up to {:.0f} ms late",
                                        1e3 * live.building_late_s()));
@@ -120,6 +136,12 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   if (const auto said = set_network(options.network, loaded_board.value()); !said) return bad_usage(said.error().text);
   const board::Board& board = loaded_board.value();
   if (const auto problem = contradiction(board, options)) return bad_usage(*problem);
+  std::unique_ptr<KinectPart> kinect;
+  if (is_kinect(board)) {
+    auto opened = KinectPart::open(loaded_board.value(), options.oni_path);
+    if (!opened) return fail_as(opened.error());
+    kinect = std::move(opened).value();
+  }
   const auto camera = choose_camera(board, options.camera);
   if (!camera) return bad_usage(camera.error().text);
   std::optional<FleetPlan> fleet;
@@ -145,6 +167,7 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   const auto staging = read_staging(options.staging);
   if (!staging) return bad_usage(staging.error().text);
   LiveRun live(board, options, config, staging.value());
+  live.use(std::move(kinect));
   if (const auto begun = live.begin(std::move(place), camera.value().rate_hz, std::move(fleet)); !begun) {
     return fail_as(begun.error());
   }
@@ -192,6 +215,7 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
     live.write_control(json);
     live.write_camera(json);
     live.write_recording(json);
+    if (live.kinect() != nullptr) live.kinect()->write(json);
     write_cpu(json, live.thread_times(), live.run_s());
   };
   report.file_bytes = outputs.map_file_bytes;

@@ -138,6 +138,7 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
     if (!building) return building.error();
     building_ = std::move(building).value();
     sim_camera_ = std::make_unique<hal::RealTimeBuilding::Camera>(*building_, 0, rate_hz);
+    if (kinect_ != nullptr) kinect_->show(*sim_camera_);
   }
   if (board_.camera_source.starts_with(kStreamSource)) {
     auto place_of_stream = hal::parse_stream_place(board_.camera_source.substr(kStreamSource.size()));
@@ -220,9 +221,10 @@ void LiveRun::run(bool show_progress) {
     buses_->tick_main();
     take_poses();
     say_words(clock_.now() - start_ns);
-    const bool is_home = robot_->status().read(status) != 0 && status.state == nav::MissionState::home;
+    const bool has_status = robot_->status().read(status) != 0;
+    if (has_status && kinect_ != nullptr) kinect_->light_up(status);
     service_.look(clock_.now(), way_.size(), status);
-    if (is_home) break;
+    if (has_status && status.state == nav::MissionState::home) break;
     if (show_progress && clock_.now() >= next_show_ns) {
       next_show_ns = clock_.now() + kProgress_ns;
       show(clock_.now() - start_ns, status);
@@ -299,12 +301,14 @@ hal::Result<std::string> LiveRun::find_port() {
 }
 
 hal::DepthCamera& LiveRun::camera() {
+  if (kinect_ != nullptr) return kinect_->camera();
   if (sim_camera_ != nullptr) return *sim_camera_;
   if (stream_camera_ != nullptr) return *stream_camera_;
   return no_camera_;
 }
 
 void LiveRun::end_camera() {
+  if (kinect_ != nullptr) kinect_->end();
   if (sim_camera_ != nullptr) sim_camera_->stop();
   if (stream_camera_ != nullptr) stream_camera_->stop();
   no_camera_.stop();

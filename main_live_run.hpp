@@ -18,6 +18,7 @@
 #include "hal/stream/stream_camera.hpp"
 #include "main_buses.hpp"
 #include "main_commands.hpp"
+#include "main_kinect.hpp"
 #include "main_network.hpp"
 #include "main_record.hpp"
 #include "main_robot.hpp"
@@ -65,6 +66,8 @@ class LiveRun {
   LiveRun(const board::Board& board, const LiveOptions& options, const nav::RobotConfig& config,
           const Staging& staging);
 
+  /// From now on it sees by this. Before begin().
+  void use(std::unique_ptr<KinectPart> kinect) { kinect_ = std::move(kinect); }
   /// The guard's process first, then everything that has threads. `place`: where the base is simulated.
   /// `fleet`: that it shares its map with; none: it is alone.
   [[nodiscard]] hal::Result<void> begin(std::optional<Place> place, double rate_hz, std::optional<FleetPlan> fleet);
@@ -104,6 +107,8 @@ class LiveRun {
   void write_recording(mapper::JsonWriter& json) const {
     if (recording_ != nullptr) recording_->write(json, run_s_);
   }
+  /// nullptr: it sees by something else.
+  [[nodiscard]] const KinectPart* kinect() const { return kinect_.get(); }
 
  private:
   [[nodiscard]] hal::Result<std::string> find_port();
@@ -130,6 +135,7 @@ class LiveRun {
   std::unique_ptr<hal::RealTimeBuilding> building_;
   std::unique_ptr<hal::RealTimeBuilding::Camera> sim_camera_;
   std::unique_ptr<hal::StreamCamera> stream_camera_;
+  std::unique_ptr<KinectPart> kinect_;  // may show what the one above sees
   hal::SerialPort port_;
   std::optional<hal::kobuki::LineGuard> guard_;
   NoCamera no_camera_;

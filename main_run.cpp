@@ -13,6 +13,7 @@
 
 #include "hal/clock.hpp"
 #include "hal/image/file_bytes.hpp"
+#include "hal/kinect/openni_parts.hpp"
 #include "hal/replay/recorded_odometry.hpp"
 #include "hal/replay/recorded_poses.hpp"
 #include "hal/replay/replay_camera.hpp"
@@ -314,11 +315,42 @@ hal::Result<std::unique_ptr<hal::PoseSource>> poses_or_start(const ReplayOptions
 
 }  // namespace
 
+namespace {
+
+/// An OpenNI recording has no poses of its own: from a file, or none at all.
+int run_oni_replay(const ReplayOptions& options, const board::Board& board, const std::string& command_line) {
+  if (options.poses_path.empty() && options.mapping.odometry != "none") {
+    return bad_usage(
+        fmt::format("{}: an .oni recording has no poses: give --poses FILE, or --odometry none for a camera "
+                    "whose way only its frames tell",
+                    options.log_dir));
+  }
+  std::optional<hal::kinect::Calibration> calibration;
+  if (board.camera_calibration != "none") {
+    auto loaded = hal::kinect::load_calibration(board.camera_calibration);
+    if (!loaded) return fail(loaded.error().text);
+    calibration = std::move(loaded).value();
+  }
+  auto camera = hal::kinect::open_recording(options.log_dir, calibration ? &*calibration : nullptr);
+  if (!camera) return fail(camera.error().text);
+  std::vector<std::string> notes;
+  std::unique_ptr<hal::PoseSource> poses = std::make_unique<hal::StandingPose>(mount_pose(board));
+  if (!options.poses_path.empty()) {
+    auto recorded = hal::RecordedPoses::open(options.log_dir, options.poses_path);
+    if (!recorded) return fail(recorded.error().text);
+    poses = std::move(recorded).value();
+  }
+  return map_source({*camera.value(), *poses, std::move(notes)}, board, options.mapping, command_line);
+}
+
+}  // namespace
+
 int run_replay(const ReplayOptions& options, const std::string& command_line) {
   MappingOptions mapping = options.mapping;
   mapping.board_path = board_of_recording(options.log_dir, mapping.board_path);
   const auto board = effective_board(mapping);
   if (!board) return fail(board.error().text);
+  if (options.log_dir.ends_with(".oni")) return run_oni_replay(options, board.value(), command_line);
   auto camera = hal::ReplayCamera::open(options.log_dir);
   if (!camera) return fail(camera.error().text);
   std::vector<std::string> notes = camera.value()->warnings();

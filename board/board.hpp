@@ -16,9 +16,11 @@ struct Board {
   std::string base_line = "sim";
 
   // [camera] pinhole intrinsics of the depth image, colour registered to it
-  /// Of live frames: "sim", in the same building; "none": the base stands; "stream:PLACE": out of a byte stream, where
+  /// Of live frames: "sim", in the same building; "none": the base stands; "kinect": a Kinect 360, with a simulated
+  /// base the virtual one; "oni:PLACE": a recording, PLACE is its file; "stream:PLACE": out of a byte stream, where
   /// PLACE is tcp:ADDRESS:PORT, or the path of a unix socket or of a device
   std::string camera_source = "sim";
+  std::string camera_calibration = "none";  ///< of the Kinect: file, see hal/kinect/calibration.hpp; "none": typical
   int camera_width_px = 640;
   int camera_height_px = 480;
   double camera_fx_px = 525.0;
