@@ -12,6 +12,8 @@ namespace g3d {
 namespace {
 
 constexpr hal::TimeNs kStatusPeriod_ns = 2'000 * hal::kMillisecond_ns;
+/// For files on a disk that may be slow; the unit's TimeoutStopSec is the same.
+constexpr hal::TimeNs kSaving_ns = 90'000 * hal::kMillisecond_ns;
 
 }  // namespace
 
@@ -32,6 +34,7 @@ void ServiceReport::look(hal::TimeNs now_ns, std::uint64_t integrated, const nav
 void ServiceReport::stopping() {
   if (!notify_.is_supervised()) return;
   (void)notify_.status("stands, writes its map");
+  (void)notify_.allow_silence(kSaving_ns);
   (void)notify_.stopping();
 }
 

@@ -66,6 +66,15 @@ bool ServiceNotify::send(std::string_view text) {
   return is_sent;
 }
 
+bool ServiceNotify::allow_silence(TimeNs silence_ns) {
+  if (alive_period_ns_ == 0) return false;
+  constexpr std::string_view kWord = "WATCHDOG_USEC=";
+  std::array<char, 40> message;
+  char* const digits = std::copy(kWord.begin(), kWord.end(), message.data());
+  const auto end = std::to_chars(digits, message.data() + message.size(), std::max<TimeNs>(1, silence_ns / 1000)).ptr;
+  return send({message.data(), static_cast<std::size_t>(end - message.data())});
+}
+
 bool ServiceNotify::status(std::string_view text) {
   std::array<char, kStatusWord.size() + kMostStatus_bytes> message;
   const std::size_t size = std::min(text.size(), kMostStatus_bytes);

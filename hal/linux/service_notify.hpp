@@ -33,6 +33,8 @@ class ServiceNotify {
   bool ready() { return send("READY=1"); }
   bool alive() { return send("WATCHDOG=1"); }
   bool stopping() { return send("STOPPING=1"); }
+  /// From now on alive() may be so late; for work that takes long and makes no other sign. Nothing without a watchdog.
+  bool allow_silence(TimeNs silence_ns);
   /// For people; cut after kMostStatus_bytes, line ends and the like become spaces.
   bool status(std::string_view text);
 

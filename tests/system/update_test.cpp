@@ -22,7 +22,7 @@ namespace {
 class Taker {
  public:
   Taker(const TempFolder& folder, const std::string& trust, const std::string& running)
-      : log_(folder / ("taker-" + running + ".log")),
+      : log_(empty_file(folder / ("taker-" + running + ".log"))),
         program_("/bin/sh", {"-c", "exec \"$0\" \"$@\" 2>" + log_, g3dmap_path(), "update", "--listen", "127.0.0.1:0",
                              "--trust", trust, "--state", folder / "slots", "--slot-a", folder / "a.img", "--slot-b",
                              folder / "b.img", "--running", running, "--rate-kBps", "1000000"}) {
@@ -43,6 +43,10 @@ class Taker {
   Program& program() { return program_; }
 
  private:
+  static std::string empty_file(const std::string& path) {
+    write_plain(path, "");
+    return path;
+  }
   std::string log_;
   Program program_;
   std::string at_;

@@ -108,6 +108,18 @@ TEST_CASE("a supervisor that is gone, or does not listen, costs a count and no t
   CHECK(notify.lost() == 2);
 }
 
+TEST_CASE("work that takes long is allowed silence, where somebody counts") {
+  const std::string name = abstract_name();
+  const NotifySocket socket(name);
+  ServiceNotify watched(name, "1000000"), unwatched(name, "");
+  CHECK(watched.allow_silence(90'000 * hal::kMillisecond_ns));
+  CHECK(socket.next() == "WATCHDOG_USEC=90000000");
+  CHECK(watched.allow_silence(0));  // 0 would mean that nobody watches any more
+  CHECK(socket.next() == "WATCHDOG_USEC=1");
+  CHECK_FALSE(unwatched.allow_silence(1'000 * hal::kMillisecond_ns));
+  CHECK(socket.next() == "nothing");
+}
+
 TEST_CASE("only a sensible watchdog that is meant for this process counts") {
   const std::string name = abstract_name();
   const NotifySocket socket(name);
