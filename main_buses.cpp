@@ -185,7 +185,7 @@ void Buses::equip(nav::RobotThreadsConfig& config) {
 }
 
 void Buses::start() {
-  if (is_named(board_.watchdog_device)) {
+  if (is_named(board_.watchdog_device) && supervised_ns_ == 0) {
     auto watchdog = hal::LinuxWatchdog::open(board_.watchdog_device, board_.watchdog_timeout_s);
     if (watchdog) {
       watchdog_ = std::move(watchdog).value();
@@ -212,6 +212,7 @@ void Buses::start() {
   if (watchdog_ != nullptr) {
     options.feed_ns = std::min(options.feed_ns, watchdog_->timeout_s() * hal::TimeNs{500'000'000});
   }
+  if (supervised_ns_ > 0) options.feed_ns = std::min(options.feed_ns, supervised_ns_);
   caretaker_ = std::make_unique<hal::Caretaker>(progress_, clock_, std::move(options), watchdog_.get());
   caretaker_->start();
 }

@@ -59,6 +59,8 @@ class Buses {
   void equip(nav::RobotThreadsConfig& config);
   /// Called about once a second while all threads make progress; by the caretaker's thread. Before start().
   void set_on_all_alive(std::function<void()> on_all_alive) { on_all_alive_ = std::move(on_all_alive); }
+  /// Somebody else holds the watchdog, and is to hear every `period_ns` that all is well. Before start().
+  void leave_watchdog(hal::TimeNs period_ns) { supervised_ns_ = period_ns; }
   /// Right before the robot's threads begin.
   void start();
   /// The main thread's own sign of life, while it looks after the robot; and before it does what takes long.
@@ -101,6 +103,7 @@ class Buses {
   std::unique_ptr<hal::ThreadSettler> settler_;
   std::unique_ptr<hal::LinuxWatchdog> watchdog_;
   std::function<void()> on_all_alive_;
+  hal::TimeNs supervised_ns_ = 0;  ///< 0: nobody else watches
   std::unique_ptr<hal::Caretaker> caretaker_;
   hal::ThermalPowerReader thermal_reader_;
   hal::TimeNs next_slow_chore_ns_ = 0;

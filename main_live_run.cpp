@@ -213,6 +213,8 @@ void LiveRun::run(bool show_progress) {
       options_.duration_s > 0.0 ? start_ns + static_cast<hal::TimeNs>(options_.duration_s * 1e9) : INT64_MAX;
   hal::TimeNs next_show_ns = start_ns;
   if (fleet_ != nullptr) fleet_->start();
+  if (service_.is_supervised()) buses_->set_on_all_alive([this] { service_.all_alive(); });
+  if (service_.alive_period_ns() > 0) buses_->leave_watchdog(service_.alive_period_ns());
   buses_->start();
   robot_->start();
   nav::LiveStatus status;

@@ -18,6 +18,8 @@ class ServiceReport {
   /// The robot stands; files are still to be written.
   void stopping();
   [[nodiscard]] bool is_supervised() const { return notify_.is_supervised(); }
+  /// all_alive() is due so often; 0: nobody waits for it.
+  [[nodiscard]] hal::TimeNs alive_period_ns() const { return notify_.alive_period_ns(); }
 
  private:
   hal::ServiceNotify notify_;

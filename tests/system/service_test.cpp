@@ -54,6 +54,7 @@ TEST_CASE("a robot says when it maps, what it does and that it stops", "[system]
   CHECK(ready < stopping);
   CHECK(said.find("READY=1", ready + 1) == std::string::npos);
   CHECK_THAT(said.substr(ready, stopping - ready), Catch::Contains(" frames mapped, "));
+  CHECK_THAT(said.substr(ready, stopping - ready), Catch::Contains("WATCHDOG=1\n"));
   CHECK_THAT(said.substr(0, stopping), Catch::Contains("WATCHDOG_USEC=90000000\n"));
   CHECK(stopping + std::string("STOPPING=1\n").size() == said.size());
 }
