@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kSlotRead_bytes = 1 << 20;
 
 /// Returns 0, errno, or -1 where the file ends before.
-int read_whole(int fd, std::uint64_t offset, std::span<std::uint8_t> bytes) {
+int read_all_of_slot(int fd, std::uint64_t offset, std::span<std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t n = disk().pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
@@ -76,7 +76,7 @@ Result<void> SlotImage::make_room(std::uint64_t size_bytes) {
 }
 
 Result<void> SlotImage::read(std::uint64_t offset, std::span<std::uint8_t> bytes) const {
-  if (const int failed = read_whole(fd_, offset, bytes); failed != 0) return read_error(path_, failed);
+  if (const int failed = read_all_of_slot(fd_, offset, bytes); failed != 0) return read_error(path_, failed);
   return {};
 }
 
@@ -108,7 +108,7 @@ Result<void> check_slot_image(const std::string& path, const SlotImageId& image,
   const std::uint64_t wanted = std::max<std::uint64_t>(image.size_bytes, 1);
   for (std::uint64_t at = 0; at < wanted && failed == 0;) {
     const std::span part(buffer.get(), static_cast<std::size_t>(std::min<std::uint64_t>(kSlotRead_bytes, wanted - at)));
-    failed = read_whole(fd, at, part);
+    failed = read_all_of_slot(fd, at, part);
     crypto_generichash_update(&state, part.data(), part.size());
     at += part.size();
     if (between) between();

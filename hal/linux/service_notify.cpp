@@ -19,7 +19,7 @@ constexpr std::string_view kStatusWord = "STATUS=";
 /// Beyond a day nobody means a watchdog, and nanoseconds stay in range.
 constexpr std::uint64_t kMostWatchdog_us = 86'400'000'000;
 
-std::uint64_t decimal(std::string_view text) {
+std::uint64_t number_of(std::string_view text) {
   std::uint64_t number = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
   return failed == std::errc{} && end == text.data() + text.size() ? number : 0;
@@ -49,9 +49,9 @@ std::string_view ServiceNotify::variable(const char* name) {
 
 ServiceNotify::ServiceNotify(std::string_view address, std::string_view watchdog_us, std::string_view watchdog_pid)
     : fd_(connect_notify(address)) {
-  const bool is_meant = watchdog_pid.empty() || decimal(watchdog_pid) == static_cast<std::uint64_t>(::getpid());
+  const bool is_meant = watchdog_pid.empty() || number_of(watchdog_pid) == static_cast<std::uint64_t>(::getpid());
   if (fd_ < 0 || !is_meant) return;
-  const std::uint64_t period_us = decimal(watchdog_us);
+  const std::uint64_t period_us = number_of(watchdog_us);
   if (period_us <= kMostWatchdog_us) alive_period_ns_ = static_cast<TimeNs>(period_us) * 1000 / 2;
 }
 
