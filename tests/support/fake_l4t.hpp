@@ -40,6 +40,11 @@ class FakeL4t {
     tool(folder / "bin/id", "echo 0\n");
     tool(folder / "bin/lsusb", "exit 0\n");
     tool(folder / "bin/python3", "exit 0\n");
+    tool(folder / "bin/modprobe", "exit 0\n");
+    if (!fs::exists("/sbin/mke2fs") && !fs::exists("/usr/sbin/mke2fs")) {
+      // `mke2fs ... FILE SIZE`: a file of that size will do here.
+      tool(folder / "bin/mke2fs", "while [ $# -gt 2 ]; do shift; done; truncate -s \"$2\" \"$1\"\n");
+    }
     tool(l4t() + "/flash.sh", "echo \"flash.sh: $*\"; echo \"in $(pwd)\"\n");
     for (const char* file :
          {"/jetson-tx2.conf", "/kernel/Image", "/rootfs/lib/modules/4.9.253-tegra/modules.builtin"}) {
@@ -47,6 +52,10 @@ class FakeL4t {
     }
     put("/rootfs/lib/modules/4.9.253-tegra/modules.dep",
         "kernel/drivers/usb/serial/ftdi_sio.ko: kernel/usbserial.ko\n");
+    for (const char* library :
+         {"ld-linux-aarch64.so.1", "aarch64-linux-gnu/libc.so.6", "aarch64-linux-gnu/libdl.so.2"}) {
+      put(std::string("/rootfs/lib/") + library, "not an ELF file\n");
+    }
     put("/rootfs/etc/nv_tegra_release", "# R32 (release), REVISION: 7.1, GCID: 1, BOARD: t186ref\n");
     put("/bootloader/t186ref/cfg/flash_l4t_t186.xml",
         "<device type=\"sdmmc\">\n  <partition name=\"APP\" id=\"1\" type=\"data\">\n    <size> APPSIZE </size>\n"

@@ -53,6 +53,9 @@ TEST_CASE("a TX2 is flashed from its user's own Linux_for_Tegra", "[system][flas
   CHECK(read_plain(out + "/data/slots.state") ==
         "slots --state " + out + "/data/slots.state --first " + out + "/system.img\n");
   CHECK(read_plain(out + "/gpu/lib/libcuda.so.1") == "not an ELF file\n");
+  for (const char* name : {"ld-linux-aarch64.so.1", "libc.so.6", "libdl.so.2"}) {
+    CHECK(std::filesystem::exists(out + "/gpu/lib/" + name));
+  }
   CHECK(read_plain(out + "/gpu/firmware/gp10b/gpmu_ucode.bin") == "firmware\n");
 }
 
