@@ -4,6 +4,29 @@
 
 namespace g3d {
 
+inline constexpr const char* kReplayExamples = R"(
+Examples:
+  g3dmap replay rgbd_dataset_freiburg1_rpy --out out
+  g3dmap replay walk --poses odometry.tum --resolution 0.02 --threads 2 --out out
+  g3dmap replay walk --odometry aligned --motion free --out out        poses that drift, from a hand-held camera
+  g3dmap replay walk --rate 1 --out out          as fast as it was recorded; late frames are dropped and counted
+  g3dmap replay eyes.oni --odometry none --out out       an OpenNI recording of a Kinect that stood, or with --poses
+
+LOG is a folder in the TUM RGB-D layout: depth.txt, rgb.txt, groundtruth.txt or trajectory.tum, camera.txt. Without
+poses they are computed from the base's bytes in kobuki.bin, with the camera mounted as --board says.)";
+
+inline constexpr const char* kSimExamples = R"(
+Examples:
+  g3dmap sim --out out                                     a flight through the built-in furnished room
+  g3dmap sim --drift 1 --odometry aligned --out out        the same flight with odometry that drifts, corrected
+  g3dmap sim --world corridor --laps 2 --drift 1 --odometry aligned --loops --out out
+  g3dmap sim --world house --robots 1 --seed 2 --out out   a robot explores a built-in house by itself
+  g3dmap sim --world house --robots 3 --loss 0.2 --out out      three explore it together and share their maps
+  g3dmap sim --world office.world --camera-path walk.path --resolution 0.02 --out out
+  g3dmap sim --world house --robots 1 --drift 1 --odometry aligned --out out
+  g3dmap sim --world floor.yaml --camera-path walk.path --out out     a map_server ground map, extruded to walls
+  g3dmap sim --world floor.yaml --crop 0,0,30,20 --robots 1 --out out   a piece of a large one)";
+
 inline constexpr const char* kRunExamples = R"(
 Examples:
   g3dmap run --board board/host_sim.toml --out out                    in real time, in a simulated building
