@@ -258,7 +258,7 @@ hal::Result<void> Buses::finish_recording() {
 void Buses::write(mapper::JsonWriter& json) const {
   const BusesNews news = reporter_->read();
   json.key("buses").begin_object();
-  json.member("e_stop", news.conditions.has(hal::Condition::e_stop));
+  json.member("emergency_stop", news.conditions.has(hal::Condition::e_stop));
   if (can_ != nullptr) write_can(json, news);
   if (gpio_ != nullptr) write_gpio(json, news);
   write_machine(json);
@@ -269,7 +269,7 @@ void Buses::write_can(mapper::JsonWriter& json, const BusesNews& news) const {
   const hal::can::CanCounts& c = news.can;
   json.key("can").begin_object().member("interface", board_.can_interface);
   json.member("received", c.received).member("sent", c.sent).member("error_frames", c.error_frames);
-  json.key("dropped").begin_object().member("malformed", c.malformed).member("overflowed", c.overflowed);
+  json.key("frames_dropped").begin_object().member("malformed", c.malformed).member("overflowed", c.overflowed);
   json.member("failed_reads", c.failed_reads).end_object();
   json.key("not_sent").begin_object().member("queue_full", c.send_queue_full).member("down", c.not_sent_down);
   json.member("other", c.not_sent).end_object();
@@ -314,7 +314,7 @@ void Buses::write_machine(mapper::JsonWriter& json) const {
     json.member("refused_feeds", fed.refused_feeds).member("withheld", fed.withheld).end_object();
   }
   const std::lock_guard lock(caretakers_);
-  json.key("threads").begin_object().member("settled", plan_counts_.settled);
+  json.key("thread_plan").begin_object().member("settled", plan_counts_.settled);
   json.member("no_permission", plan_counts_.no_permission).member("no_cpu", plan_counts_.no_cpu);
   json.member("failed", plan_counts_.failed).end_object();
   json.key("temperatures_c").begin_object();

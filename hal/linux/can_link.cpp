@@ -106,7 +106,7 @@ int converse(std::span<const std::uint8_t> message, std::uint32_t sequence) {
   return error;
 }
 
-bool is_name(const std::string& interface) { return !interface.empty() && interface.size() < IFNAMSIZ; }
+bool is_interface_name(const std::string& interface) { return !interface.empty() && interface.size() < IFNAMSIZ; }
 
 }  // namespace
 
@@ -143,7 +143,7 @@ std::vector<std::uint8_t> encode_link_request(const CanLinkRequest& request, std
 }
 
 Result<void> ask_for_link(const CanLinkRequest& request) {
-  if (!is_name(request.interface)) {
+  if (!is_interface_name(request.interface)) {
     return Error{Reason::bad_usage,
                  fmt::format("'{}': interfaces have names of 1 to 15 characters", request.interface)};
   }

@@ -39,11 +39,11 @@ Error gpio_error(const std::string& chip, const std::string& what, int error) {
   }
 }
 
-TimeNs ns_of(const timespec& t) { return TimeNs{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
+TimeNs timespec_ns(const timespec& t) { return TimeNs{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
 TimeNs real_now_ns() {
   timespec now{};
   (void)::clock_gettime(CLOCK_REALTIME, &now);
-  return ns_of(now);
+  return timespec_ns(now);
 }
 
 gpiod_line* find_line(gpiod_chip* chip, const std::string& name) {
@@ -152,13 +152,13 @@ bool GpioChip::read_edge(GpioEdge& edge, TimeNs now_ns) {
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < lines_->input_count; ++i) {
     if (!fill(i)) continue;
-    const auto stamp = [&](std::size_t k) { return ns_of(lines_->inputs[k].edges[lines_->inputs[k].next].ts); };
+    const auto stamp = [&](std::size_t k) { return timespec_ns(lines_->inputs[k].edges[lines_->inputs[k].next].ts); };
     if (!first || stamp(i) < stamp(*first)) first = i;
   }
   if (!first) return false;
   Lines::Input& input = lines_->inputs[*first];
   const gpiod_line_event& event = input.edges[input.next++];
-  const auto t_ns = monotonic_edge_ns(ns_of(event.ts), now_ns, real_now_ns());
+  const auto t_ns = monotonic_edge_ns(timespec_ns(event.ts), now_ns, real_now_ns());
   counts_.bad_stamps += !t_ns;
   ++counts_.edges;
   edge = {t_ns.value_or(now_ns), static_cast<std::uint8_t>(*first), event.event_type == GPIOD_LINE_EVENT_RISING_EDGE};

@@ -21,7 +21,7 @@ constexpr std::size_t kMostSensors = 64;
 constexpr int kMostChannels = 16;
 constexpr double kMilli = 1e-3, kMicro = 1e-6;
 
-std::string first_line(const std::string& path) {
+std::string sensor_text(const std::string& path) {
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -29,13 +29,13 @@ std::string first_line(const std::string& path) {
   return line;
 }
 
-std::optional<double> number_in(const std::string& path) {
-  const auto value = parse_double(first_line(path));
+std::optional<double> sensor_number(const std::string& path) {
+  const auto value = parse_double(sensor_text(path));
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// Sorted, so that the same machine says the same in the same order.
-std::vector<std::string> entries(const std::string& folder, std::string_view prefix) {
+std::vector<std::string> sorted_entries(const std::string& folder, std::string_view prefix) {
   std::vector<std::string> found;
   std::error_code error;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
@@ -49,7 +49,7 @@ std::vector<std::string> entries(const std::string& folder, std::string_view pre
 }
 
 std::string label_or(const std::string& path, const std::string& otherwise) {
-  const std::string label = first_line(path);
+  const std::string label = sensor_text(path);
   return label.empty() ? otherwise : label;
 }
 
@@ -57,16 +57,16 @@ std::string label_or(const std::string& path, const std::string& otherwise) {
 
 ThermalPowerReader::ThermalPowerReader(std::string root) {
   find_zones(root);
-  for (const std::string& folder : entries(root + "/class/hwmon", "hwmon")) find_hwmon(folder);
+  for (const std::string& folder : sorted_entries(root + "/class/hwmon", "hwmon")) find_hwmon(folder);
   find_l4t_rails(root);
 }
 
 void ThermalPowerReader::add(Sensor sensor) {
-  if (sensors_.size() < kMostSensors && number_in(sensor.path)) sensors_.push_back(std::move(sensor));
+  if (sensors_.size() < kMostSensors && sensor_number(sensor.path)) sensors_.push_back(std::move(sensor));
 }
 
 void ThermalPowerReader::find_zones(const std::string& root) {
-  for (const std::string& zone : entries(root + "/class/thermal", "thermal_zone")) {
+  for (const std::string& zone : sorted_entries(root + "/class/thermal", "thermal_zone")) {
     add({label_or(zone + "/type", fs::path(zone).filename().string()), false, kMilli, zone + "/temp", {}});
   }
 }
@@ -81,14 +81,14 @@ void ThermalPowerReader::find_hwmon(const std::string& folder) {
     add({label_or(file("temp", "label"), plain), false, kMilli, file("temp", "input"), {}});
     add({label_or(file("power", "label"), plain), true, kMicro, file("power", "input"), {}});
     // Channels 1 to 3 are rails, 4 to 6 the shunts' voltages.
-    if (chip != "ina3221" || i > 3 || !number_in(file("curr", "input"))) continue;
+    if (chip != "ina3221" || i > 3 || !sensor_number(file("curr", "input"))) continue;
     add({label_or(file("in", "label"), plain), true, kMicro, file("in", "input"), file("curr", "input")});
   }
 }
 
 void ThermalPowerReader::find_l4t_rails(const std::string& root) {
-  for (const std::string& chip : entries(root + "/bus/i2c/drivers/ina3221x", "")) {
-    for (const std::string& device : entries(chip, "iio")) {
+  for (const std::string& chip : sorted_entries(root + "/bus/i2c/drivers/ina3221x", "")) {
+    for (const std::string& device : sorted_entries(chip, "iio")) {
       for (int rail = 0; rail < 3; ++rail) {
         const std::string plain = fmt::format("{} {}", fs::path(chip).filename().string(), rail);
         add({label_or(fmt::format("{}/rail_name_{}", device, rail), plain),
@@ -104,9 +104,9 @@ void ThermalPowerReader::find_l4t_rails(const std::string& root) {
 ThermalPower ThermalPowerReader::read() const {
   ThermalPower reading;
   for (const Sensor& sensor : sensors_) {
-    auto value = number_in(sensor.path);
+    auto value = sensor_number(sensor.path);
     if (value && !sensor.current_path.empty()) {
-      const auto current = number_in(sensor.current_path);
+      const auto current = sensor_number(sensor.current_path);
       value = current ? std::optional(*value * *current) : std::nullopt;
     }
     if (!value) {

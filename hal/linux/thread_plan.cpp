@@ -48,7 +48,7 @@ const char* parse_rule(std::string_view word, ThreadRule& rule) {
   return nullptr;
 }
 
-std::string first_line(const std::string& path) {
+std::string line_of_file(const std::string& path) {
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -110,7 +110,7 @@ void ThreadSettler::settle() {
   for (std::filesystem::directory_iterator at(tasks_, error), end; !error && at != end; at.increment(error)) {
     const auto thread = whole_number(at->path().filename().string());
     if (!thread) continue;
-    now.push_back({*thread, first_line(at->path().string() + "/comm")});
+    now.push_back({*thread, line_of_file(at->path().string() + "/comm")});
   }
   for (const Seen& one : now) {
     const bool is_new = std::none_of(seen_.begin(), seen_.end(), [&](const Seen& other) {
@@ -126,7 +126,7 @@ void ThreadSettler::apply(const ThreadRule& rule, int thread) {
   bool is_whole = true;
   if (rule.cpus != 0) {
     std::uint64_t online = 0;
-    if (!parse_cpu_list(first_line(online_), online)) online = ~std::uint64_t{0};
+    if (!parse_cpu_list(line_of_file(online_), online)) online = ~std::uint64_t{0};
     const std::uint64_t cpus = rule.cpus & online;
     cpu_set_t set;
     CPU_ZERO(&set);

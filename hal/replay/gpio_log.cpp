@@ -13,7 +13,7 @@
 namespace g3d::hal {
 namespace {
 
-constexpr TimeNs kMaxTime_ns = kMaxStamp_s * 1'000'000'000;
+constexpr TimeNs kMaxEdgeTime_ns = kMaxStamp_s * 1'000'000'000;
 
 /// What is wrong with the line, or nullptr.
 const char* parse_record(std::string_view line, GpioRecord& record) {
@@ -21,7 +21,8 @@ const char* parse_record(std::string_view line, GpioRecord& record) {
   const std::size_t last = line.rfind(' ');
   if (first == line.npos || first == last) return "has not three words: t_ns line value";
   const auto [end, error] = std::from_chars(line.data(), line.data() + first, record.t_ns);
-  if (error != std::errc{} || end != line.data() + first || record.t_ns < -kMaxTime_ns || record.t_ns > kMaxTime_ns) {
+  if (error != std::errc{} || end != line.data() + first || record.t_ns < -kMaxEdgeTime_ns ||
+      record.t_ns > kMaxEdgeTime_ns) {
     return "does not begin with nanoseconds";
   }
   const std::string_view name = line.substr(first + 1, last - first - 1);
@@ -41,7 +42,7 @@ bool is_gpio_name(std::string_view text) {
 }
 
 std::size_t format_gpio_line_to(char* out, TimeNs t_ns, std::string_view name, bool level) {
-  char* at = std::to_chars(out, out + 20, std::clamp(t_ns, -kMaxTime_ns, kMaxTime_ns)).ptr;
+  char* at = std::to_chars(out, out + 20, std::clamp(t_ns, -kMaxEdgeTime_ns, kMaxEdgeTime_ns)).ptr;
   *at++ = ' ';
   at = std::copy_n(name.begin(), std::min(name.size(), kMaxGpioName), at);
   *at++ = ' ';

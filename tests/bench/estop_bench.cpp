@@ -181,10 +181,12 @@ int main(int argc, char** argv) {
       base.resume();
       tap.drain();
       if (tap.wait_for_motion(kPatience_ns) == 0) return false;
-      random ^= random << 13, random ^= random >> 7, random ^= random << 17;
-      clock.sleep_until(clock.now() + 20 * kMs + static_cast<TimeNs>(random % 20'000'000));
+      clock.sleep_until(clock.now() + 20 * kMs);
       tap.drain();
-      return tap.wait_for_motion(kPatience_ns) != 0;
+      if (tap.wait_for_motion(kPatience_ns) == 0) return false;
+      random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+      clock.sleep_until(clock.now() + static_cast<TimeNs>(random % 20'000'000));
+      return true;
     };
     const auto note = [&](Row& row, TimeNs cause_ns) {
       const TimeNs zero_ns = tap.wait_for_zero(kPatience_ns);
