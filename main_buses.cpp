@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "hal/linux/can_link.hpp"
 #include "hal/linux/memory_lock.hpp"
 
 namespace g3d {
@@ -148,7 +149,7 @@ hal::Result<void> Buses::open_can(const std::string& record_dir) {
   const auto bitrate = static_cast<std::uint32_t>(std::lround(board_.can_bitrate_kbps * 1000.0));
   hal::CanKeeperCalls calls = hal::can_keeper_calls(board_.can_interface, bitrate);
   hal::Result<void> ready;
-  if (calls.bring_up) ready = calls.bring_up();
+  if (bitrate > 0) ready = hal::bring_can_up(board_.can_interface, bitrate);
   auto fd = calls.open_socket();
   if (!ready) first_notes_.push_back(ready.error().text);
   if (!fd) first_notes_.push_back(fd.error().text);

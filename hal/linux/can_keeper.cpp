@@ -12,7 +12,12 @@ CanKeeperCalls can_keeper_calls(const std::string& interface, std::uint32_t bitr
   CanKeeperCalls calls;
   calls.open_socket = [interface] { return open_can_socket(interface); };
   calls.restart = [interface] { return restart_can(interface); };
-  if (bitrate > 0) calls.bring_up = [interface, bitrate] { return bring_can_up(interface, bitrate); };
+  if (bitrate > 0) {
+    // Not one that is up already, by somebody else or by our own restart: setting the bit rate would take it down.
+    calls.bring_up = [interface, bitrate]() -> Result<void> {
+      return link_is_up(interface) ? Result<void>{} : bring_can_up(interface, bitrate);
+    };
+  }
   return calls;
 }
 
@@ -60,7 +65,7 @@ void CanKeeper::tend(TimeNs now_ns) {
       return;
     }
     case Need::link:
-      (void)note(calls_.bring_up(), counts_.ups, counts_.failed_ups);
+      if (note(calls_.bring_up(), counts_.ups, counts_.failed_ups)) socket_.note_link_up();
       return;
     case Need::restart:
       (void)note(calls_.restart(), counts_.restarts, counts_.failed_restarts);

@@ -7,13 +7,16 @@
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <span>
 
 namespace g3d::hal {
@@ -174,6 +177,16 @@ Result<void> bring_can_up(const std::string& interface, std::uint32_t bitrate) {
   }
   request.is_up = true;
   return ask_for_link(request);
+}
+
+bool link_is_up(const std::string& interface) {
+  if (!is_interface_name(interface)) return false;
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  ifreq request{};
+  std::copy(interface.begin(), interface.end(), std::begin(request.ifr_name));
+  const bool is_up = ::ioctl(fd, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
+  if (fd >= 0) ::close(fd);
+  return is_up;
 }
 
 Result<void> restart_can(const std::string& interface) {

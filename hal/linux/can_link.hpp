@@ -31,6 +31,8 @@ struct CanLinkRequest {
 
 /// Up, at `bitrate` bit/s (0: as it is), so that the kernel does not restart it by itself: we do, with a back-off.
 [[nodiscard]] Result<void> bring_can_up(const std::string& interface, std::uint32_t bitrate);
+/// Whether it is there and up.
+[[nodiscard]] bool link_is_up(const std::string& interface);
 /// After bus-off.
 [[nodiscard]] Result<void> restart_can(const std::string& interface);
 /// A virtual interface, up; good if it is there already.

@@ -36,6 +36,8 @@ class CanSocket final : public can::CanPort {
   /// The controller has given up and nothing was heard since.
   [[nodiscard]] bool bus_is_off() const { return bus_is_off_.load(std::memory_order_acquire); }
   [[nodiscard]] bool link_is_down() const { return link_is_down_.load(std::memory_order_acquire); }
+  /// Somebody has brought the link up; that it went down is told but once.
+  void note_link_up() { link_is_down_.store(false, std::memory_order_release); }
   /// Owns `fd` from now on; used from the next read on. One that waits already is closed.
   void hand_over(int fd);
 

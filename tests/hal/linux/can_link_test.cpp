@@ -99,8 +99,11 @@ TEST_CASE("A link goes down and up through netlink", "[can][threads]") {
       return read && (request.ifr_flags & IFF_UP) != 0;
     };
     REQUIRE_FALSE(is_up());
+    CHECK_FALSE(link_is_up("lo"));
     CHECK(bring_can_up("lo", 0).ok());
     CHECK(is_up());
+    CHECK(link_is_up("lo"));
+    CHECK_FALSE(link_is_up("nocan7"));
     CanLinkRequest down;
     down.interface = "lo";
     down.is_up = false;
