@@ -23,7 +23,7 @@ struct KeeperBench {
       if (next_fd < 0) return Error{Reason::not_found, "can0: not there"};
       return std::exchange(next_fd, -1);
     };
-    calls.bring_up = [this] { return Result<void>{}; };
+    calls.bring_up = [] { return Result<void>{}; };
     calls.restart = [this]() -> Result<void> {
       restarts_ms.push_back(now_ns / kMsK);
       return {};
