@@ -93,11 +93,11 @@ TEST_CASE("a robot in a building of another program drives, stands at its end, a
   CHECK(report_number(report, "rejected_packets") == 0);
   CHECK(report_number(report, "skipped_bytes") == 0);
 
+  CHECK(happens([&] { return contains(served.truth(), "\"connected\": false"); }));  // the camera's stream
   const std::string truth = served.truth();
   CHECK(number_of(truth, "told_mmps") == 0.0);
   CHECK(number_of(truth, "coverage").value_or(0.0) > 0.02);
   CHECK(number_of(truth, "collisions") == 0.0);
-  CHECK(contains(truth, "\"connected\": false"));  // the camera's stream
   const auto stopped = hal::ask_control_socket(served.at() + "/control", "stop");
   REQUIRE(stopped.ok());
   const ProgramResult end = served.building->finish(std::chrono::seconds(60));
@@ -117,11 +117,15 @@ TEST_CASE("a robot that is killed is followed by another one in the same buildin
   }
   CHECK(happens([&] { return number_of(served.truth(), "told_mmps") == 0.0; }));  // its guard said so
   const double before_m = served.driven_m(0);
-  Program robot(g3dmap_path(), served.robot(0, {}));
-  CHECK(happens([&] { return served.driven_m(0) > before_m + 0.2; }));
-  robot.send(SIGINT);
-  CHECK(robot.finish(std::chrono::seconds(60)).exit_code == 0);
-  CHECK(number_of(served.truth(), "cut_off").has_value());
+  // As long as the guard of the dead one says zero, the line is its own.
+  std::optional<Program> robot;
+  CHECK(happens([&] {
+    if (!robot || !robot->is_running()) robot.emplace(g3dmap_path(), served.robot(0, {}));
+    return served.driven_m(0) > before_m + 0.2;
+  }));
+  robot->send(SIGINT);
+  CHECK(robot->finish(std::chrono::seconds(60)).exit_code == 0);
+  CHECK(number_of(served.truth(), "connections", 1) >= 2.0);
 }
 
 TEST_CASE("in a slow building a robot with a clock as slow lives as in a quick one", "[system][building]") {
@@ -137,23 +141,26 @@ TEST_CASE("in a slow building a robot with a clock as slow lives as in a quick o
   CHECK_FALSE(contains(read_plain(served.out(0) + "/report.json"), "times slow"));
 }
 
-TEST_CASE("two robots in one building are two programs that share a map by UDP and do not touch",
+TEST_CASE("two robots in one building are two programs that share a map by UDP, and both can be replayed",
           "[system][building][fleet]") {
-  ServedBuilding served({"--robots", "2"});
+  // They look at each other.
+  ServedBuilding served({"--start=-2.4,-0.4,0", "--start=-1.2,-0.4,180", "--robots", "2"});
   REQUIRE(run_g3dmap({"key", "--out", served.folder / "fleet.key"}).exit_code == 0);
   const int first_port = 21'002 + static_cast<int>(::getpid() % 8000) * 4;
   const std::string truth = served.truth();
+  const auto log = [&](int number) { return served.folder / ("log" + std::to_string(number + 1)); };
   const auto member = [&](int number) {
     // Its map begins where it stands: the fleet's world is the building's.
     const std::string network = "[network]\ngroup = \"none\"\nbandwidth_kBps = 4000\nx_m = " +
                                 std::to_string(*number_of(truth, "x_m", 2 * number)) +
                                 "\ny_m = " + std::to_string(*number_of(truth, "y_m", 2 * number)) +
                                 "\nyaw_deg = " + std::to_string(*number_of(truth, "heading_deg", 2 * number)) + "\n";
-    return served.robot(number,
-                        {"--key", served.folder / "fleet.key", "--robot", "b" + std::to_string(number + 1), "--port",
-                         std::to_string(first_port + number), "--peer",
-                         "127.0.0.1:" + std::to_string(first_port + 1 - number), "--settle", "30"},
-                        network);
+    return served.robot(
+        number,
+        {"--key", served.folder / "fleet.key", "--robot", "b" + std::to_string(number + 1), "--port",
+         std::to_string(first_port + number), "--peer", "127.0.0.1:" + std::to_string(first_port + 1 - number),
+         "--settle", "30", "--record", log(number)},
+        network);
   };
   Program one(g3dmap_path(), member(0));
   Program two(g3dmap_path(), member(1));
@@ -172,7 +179,15 @@ TEST_CASE("two robots in one building are two programs that share a map by UDP a
   const std::string hash = report_text(served.out(0) + "/report.json", "merged_hash");
   CHECK(report_text(served.out(1) + "/report.json", "merged_hash") == hash);
   CHECK(report_text(served.out(0) + "/report.json", "hash") != hash);
-  for (const int robot : {0, 1}) CHECK(number_of(served.truth(), "collisions_robots", robot) == 0.0);
+  for (const int robot : {0, 1}) {
+    CHECK(number_of(served.truth(), "collisions_robots", robot) == 0.0);
+    // What each took out of its frames because the other stood there is in its recording.
+    const std::string report = served.out(robot) + "/report.json";
+    CHECK(report_number(report, "masked") > 0);
+    const std::string again = served.folder / ("again" + std::to_string(robot));
+    CHECK(run_g3dmap({"replay", log(robot), "--out", again, "--quiet"}).exit_code == 0);
+    CHECK(report_text(again + "/report.json", "hash") == report_text(report, "hash"));
+  }
 }
 
 TEST_CASE("what is wrong with a building is said before it begins", "[system][building]") {
