@@ -197,14 +197,16 @@ bool FrameRecorder::write_file(const char* kind, TimeNs stamp_ns, std::span<cons
 void FrameRecorder::write_frame(const Frame& frame) {
   // Colour first: a frame that is listed without it would look as if it had none.
   const std::size_t pixels = camera_.pixel_count();
+  bool has_all_colour = true;
   if (frame.has_colour) {
     const auto rgb = packer_.pack_rgb(image_size_of(camera_), {frame.rgb.get(), 3 * pixels});
-    if (rgb.empty() || !write_file("rgb", frame.stamp_ns, rgb) || !append(files_.rgb_list, line_)) count(colours_);
+    has_all_colour = !rgb.empty() && write_file("rgb", frame.stamp_ns, rgb) && append(files_.rgb_list, line_);
   }
   const auto depth = packer_.pack_depth(image_size_of(camera_), {frame.depth.get(), pixels});
   const bool is_written =
       !depth.empty() && write_file("depth", frame.stamp_ns, depth) && append(files_.depth_list, line_);
   count(is_written ? written_ : disk_);
+  if (is_written && !has_all_colour) count(colours_);
 }
 
 void FrameRecorder::write_mapped(const Mapped& mapped) {

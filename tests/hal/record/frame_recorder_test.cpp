@@ -170,6 +170,7 @@ TEST_CASE("a full disk costs what it refuses, is named, and what comes when it h
   CHECK(finished.error().reason == Reason::disk_full);
   CHECK(finished.error().text.find(folder.path()) == 0);
   CHECK(recorder->counts().written == 2);
+  CHECK(recorder->counts().lost_colours == 0);  // those of lost frames are not counted twice
   auto camera = ReplayCamera::open(folder.path());
   REQUIRE(camera.ok());
   CHECK(camera.value()->frame_count() == 2);
