@@ -35,8 +35,8 @@ struct VirtualKinect::State {
 
 namespace {
 
-constexpr float kHorizontalFov_rad = 1.0226F;  // of 525 px
-constexpr float kVerticalFov_rad = 0.8090F;
+constexpr float kHorizontalFov_rad = 1.0946F;  // of 525 px
+constexpr float kVerticalFov_rad = 0.8580F;
 constexpr int kFarthest_mm = 10'000;
 
 // What is plugged in, or would be.
