@@ -29,8 +29,8 @@ inline constexpr std::size_t kImageFaults = static_cast<std::size_t>(ImageFault:
 
 class ImageIntake final : public ImageSink {
  public:
-  /// Of each kind: one is written, two are in the hands of the camera thread, three wait: a tenth of a second.
-  static constexpr std::size_t kSlots = 6;
+  /// Of each kind: one is written, two are in the hands of the camera thread, six wait: a fifth of a second.
+  static constexpr std::size_t kSlots = 9;
 
   ImageIntake(int width_px, int height_px);
 

@@ -2,7 +2,6 @@
 #include "hal/kinect/kinect_camera.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -23,6 +22,7 @@ KinectCamera::KinectCamera(std::unique_ptr<SensorLink> link, Clock& clock, const
       options_(options),
       model_(colour_model(options.calibration)),
       intake_(kWidth_px, kHeight_px),
+      colours_(intake_),
       depth_table_(options.calibration),
       registration_(options.calibration),
       corrected_mm_(static_cast<std::size_t>(kWidth_px) * kHeight_px),
@@ -38,8 +38,8 @@ Result<void> KinectCamera::open() {
     return opened.error();
   }
   sensor_ = std::move(opened).value();
-  depth_stamps_.emplace(stamp_options(sensor_, options_.calibration));
-  colour_stamps_.emplace(stamp_options(sensor_, options_.calibration));
+  stamps_.emplace(stamp_options(sensor_, options_.calibration));
+  colours_.begin(sensor_.tick_ns, sensor_.tick_bits);
   is_open_ = true;
   opened_ns_ = clock_.now();
   last_image_ns_ = 0;
@@ -51,8 +51,7 @@ Result<void> KinectCamera::open() {
 
 void KinectCamera::lose(std::string reason) {
   link_->close();
-  if (colour_) intake_.release(ImageKind::colour, colour_->taken);
-  colour_.reset();
+  colours_.begin(sensor_.tick_ns, sensor_.tick_bits);
   intake_.drain();
   is_open_ = false;
   last_error_ = std::move(reason);
@@ -105,10 +104,7 @@ CameraRead KinectCamera::read(Frame& out) {
 
 std::optional<CameraRead> KinectCamera::take_depth(Frame& out) {
   ImageIntake::Taken depth;
-  if (!intake_.try_take(ImageKind::depth, depth)) {
-    take_colours();
-    return std::nullopt;
-  }
+  if (!intake_.try_take(ImageKind::depth, depth)) return std::nullopt;
   last_image_ns_ = clock_.now();
   // Numbers that fall, or leap, are those of a sensor that began anew.
   const std::uint32_t step = last_index_ ? depth.index - *last_index_ : 1;
@@ -125,14 +121,13 @@ std::optional<CameraRead> KinectCamera::take_depth(Frame& out) {
     return CameraRead{CameraEvent::dropped, is_size ? DropReason::wrong_size : DropReason::unreadable_depth};
   }
   retry_ns_ = options_.first_retry_ns;
-  out.stamp_ns = depth_stamps_->update(depth.device_ticks, depth.arrived_ns);
+  out.stamp_ns = stamps_->update(depth.device_ticks, depth.arrived_ns);
   if (has_stamp_) out.stamp_ns = std::max(out.stamp_ns, last_stamp_ns_ + 1);
   has_stamp_ = true;
   last_stamp_ns_ = out.stamp_ns;
   fill_depth(intake_.depth(depth), out.depth.get());
   intake_.release(ImageKind::depth, depth);
-  take_colours();
-  add_colour(out);
+  add_colour(depth.device_ticks, out);
   ++counts_.frames;
   counts_.colourless += out.has_colour ? 0 : 1;
   publish();
@@ -151,19 +146,9 @@ void KinectCamera::fill_depth(const std::uint16_t* reported_mm, std::uint16_t* o
   for (int v = 0; v < kHeight_px; ++v) std::reverse(out_mm + v * kWidth_px, out_mm + (v + 1) * kWidth_px);
 }
 
-// The newest one is kept until a newer one comes: a depth image that comes before its colour image takes the one
-// before.
-void KinectCamera::take_colours() {
-  ImageIntake::Taken taken;
-  while (intake_.try_take(ImageKind::colour, taken)) {
-    if (colour_) intake_.release(ImageKind::colour, colour_->taken);
-    colour_ = Colour{taken, colour_stamps_->update(taken.device_ticks, taken.arrived_ns)};
-  }
-}
-
-void KinectCamera::add_colour(Frame& out) {
-  if (!colour_ || std::abs(colour_->stamp_ns - out.stamp_ns) > options_.colour_within_ns) return;
-  const std::uint8_t* const rgb = intake_.rgb(colour_->taken);
+void KinectCamera::add_colour(std::uint64_t depth_ticks, Frame& out) {
+  const std::uint8_t* const rgb = colours_.pick(depth_ticks, options_.colour_within_ns);
+  if (rgb == nullptr) return;
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(kWidth_px);
   if (!sensor_.is_mirrored) {
     std::memcpy(out.rgb.get(), rgb, row_bytes * kHeight_px);
@@ -179,7 +164,7 @@ void KinectCamera::add_colour(Frame& out) {
 
 void KinectCamera::publish() {
   counts_.is_open = is_open_;
-  counts_.doubtful_stamps = depth_stamps_ ? depth_stamps_->doubtful() : 0;
+  counts_.doubtful_stamps = stamps_ ? stamps_->doubtful() : 0;
   counts_.bad_depth = counts_.bad_colour = 0;
   for (std::size_t fault = 1; fault < kImageFaults; ++fault) {
     counts_.bad_depth += intake_.faults(ImageKind::depth, static_cast<ImageFault>(fault));

@@ -14,6 +14,7 @@
 #include "hal/clock.hpp"
 #include "hal/depth_camera.hpp"
 #include "hal/kinect/calibration.hpp"
+#include "hal/kinect/colour_picker.hpp"
 #include "hal/kinect/depth_registration.hpp"
 #include "hal/kinect/depth_table.hpp"
 #include "hal/kinect/image_intake.hpp"
@@ -74,8 +75,7 @@ class KinectCamera final : public DepthCamera {
   void lose(std::string reason);
   void try_to_open();
   [[nodiscard]] std::optional<CameraRead> take_depth(Frame& out);
-  void take_colours();
-  void add_colour(Frame& out);
+  void add_colour(std::uint64_t depth_ticks, Frame& out);
   void fill_depth(const std::uint16_t* reported_mm, std::uint16_t* out_mm);
   void publish();
 
@@ -84,6 +84,7 @@ class KinectCamera final : public DepthCamera {
   const KinectOptions options_;
   const CameraModel model_;
   ImageIntake intake_;
+  ColourPicker colours_;  // the camera thread's
   DepthTable depth_table_;
   DepthRegistration registration_;
   std::vector<std::uint16_t> corrected_mm_;  // before it is registered
@@ -92,8 +93,7 @@ class KinectCamera final : public DepthCamera {
   // The camera thread's
   bool is_open_ = false;
   SensorInfo sensor_;
-  std::optional<SensorStamps> depth_stamps_;
-  std::optional<SensorStamps> colour_stamps_;
+  std::optional<SensorStamps> stamps_;
   TimeNs opened_ns_ = 0;
   TimeNs last_image_ns_ = 0;  // 0: none since it was opened
   TimeNs next_try_ns_ = 0;
@@ -102,11 +102,6 @@ class KinectCamera final : public DepthCamera {
   bool has_stamp_ = false;
   std::optional<std::uint32_t> last_index_;
   std::uint64_t sequence_ = 0;
-  struct Colour {
-    ImageIntake::Taken taken;
-    TimeNs stamp_ns = 0;
-  };
-  std::optional<Colour> colour_;  // the newest that has come
   std::string last_error_;
   KinectCounts counts_;
   Latest<KinectCounts> published_;

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
 #include "hal/clock.hpp"
+#include "hal/kinect/colour_picker.hpp"
 #include "hal/kinect/depth_table.hpp"
 #include "hal/kinect/image_intake.hpp"
 #include "hal/kinect/openni/session.hpp"
@@ -53,7 +53,8 @@ class OniCamera final : public DepthCamera {
         options_(options),
         model_(model_of(file, options)),
         depth_table_(options.calibration),
-        intake_(file.depth.width_px, file.depth.height_px) {}
+        intake_(file.depth.width_px, file.depth.height_px),
+        colours_(intake_) {}
   ~OniCamera() override {
     if (session_ == nullptr) return;
     Session::end_tap();
@@ -97,7 +98,6 @@ class OniCamera final : public DepthCamera {
   [[nodiscard]] CameraRead read(Frame& out) override {
     ImageIntake::Taken depth;
     while (!intake_.try_take(ImageKind::depth, depth)) {
-      take_colours();
       if (depth_frames_ == file_.depth.frames) return {CameraEvent::end, {}};
       if (!play_on()) {
         last_error_ = fmt::format("{}: depth image {} of {} did not come; the rest is not played", path_,
@@ -117,17 +117,11 @@ class OniCamera final : public DepthCamera {
     }
     fill_depth(intake_.depth(depth), out.depth.get());
     intake_.release(ImageKind::depth, depth);
-    take_colours();
-    add_colour(out);
+    add_colour(depth.device_ticks, out);
     return {CameraEvent::frame, {}};
   }
 
  private:
-  struct Colour {
-    ImageIntake::Taken taken;
-    TimeNs stamp_ns = 0;
-  };
-
   bool play_on() {
     int index = 0;
     if (oni::OpenNI::waitForAnyStream(streams_.data(), static_cast<int>(streams_.size()), &index, kFrame_ms) !=
@@ -137,14 +131,6 @@ class OniCamera final : public DepthCamera {
     // The tap has had it; taken out of the core, or that would not ask for the next one.
     oni::VideoFrameRef seen;
     return streams_[static_cast<std::size_t>(index)]->readFrame(&seen) == oni::STATUS_OK;
-  }
-
-  void take_colours() {
-    ImageIntake::Taken taken;
-    while (intake_.try_take(ImageKind::colour, taken)) {
-      if (colour_) intake_.release(ImageKind::colour, colour_->taken);
-      colour_ = Colour{taken, static_cast<TimeNs>(taken.device_ticks) * 1000};
-    }
   }
 
   [[nodiscard]] bool turns_round(bool is_mirrored) const { return is_mirrored && !options_.keeps_mirrored; }
@@ -161,9 +147,9 @@ class OniCamera final : public DepthCamera {
     for (std::size_t row = 0; row < count; row += width) std::reverse(out_mm + row, out_mm + row + width);
   }
 
-  void add_colour(Frame& out) {
-    if (!colour_ || std::abs(colour_->stamp_ns - out.stamp_ns) > kColourWithin_ns) return;
-    const std::uint8_t* const rgb = intake_.rgb(colour_->taken);
+  void add_colour(std::uint64_t depth_us, Frame& out) {
+    const std::uint8_t* const rgb = colours_.pick(depth_us, kColourWithin_ns);
+    if (rgb == nullptr) return;
     const auto width = static_cast<std::size_t>(model_.width_px);
     if (turns_round(file_.colour.is_mirrored)) {
       for (std::size_t i = 0; i < model_.pixel_count(); ++i) {
@@ -182,12 +168,12 @@ class OniCamera final : public DepthCamera {
   const DepthTable depth_table_;
   const RealClock clock_;  // nobody asks when an image was played
   ImageIntake intake_;
+  ColourPicker colours_;
   std::unique_ptr<Session> session_;
   oni::Device device_;
   oni::VideoStream depth_stream_;
   oni::VideoStream colour_stream_;
   std::vector<oni::VideoStream*> streams_;
-  std::optional<Colour> colour_;
   std::size_t depth_frames_ = 0;  // that have been read
   std::string last_error_;
 };

@@ -84,8 +84,8 @@ TEST_CASE("a camera thread that is behind loses the oldest images, and finds the
     CHECK(intake.depth(taken)[0] == taken.index);
     intake.release(ImageKind::depth, taken);
   }
-  CHECK(got == std::vector<std::uint32_t>{18, 19, 20});
-  CHECK(intake.overruns(ImageKind::depth) == 17);
+  CHECK(got == std::vector<std::uint32_t>{15, 16, 17, 18, 19, 20});
+  CHECK(intake.overruns(ImageKind::depth) == 14);
   intake.take(TestImage(ImageKind::depth, 21).image);
   intake.drain();
   CHECK_FALSE(intake.try_take(ImageKind::depth, taken));
