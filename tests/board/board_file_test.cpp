@@ -102,6 +102,8 @@ TEST_CASE("errors of a board file name file, line and what is allowed") {
       {"[network]\nport = 0\n", Reason::out_of_range, "b.toml:2: network.port is 0, allowed are 1 to 65535"},
       {"[network]\nkey = \"\"\n", Reason::out_of_range, "b.toml:2: network.key is "},
       {"[camera]\nsource = \"webcam\"\n", Reason::out_of_range, "camera.source is webcam, allowed are sim, none"},
+      {"[camera]\nsource = \"oni:\"\n", Reason::out_of_range, "camera.source is oni:, allowed are sim, none"},
+      {"[camera]\nsource = \"a.oni:b\"\n", Reason::out_of_range, "camera.source is a.oni:b"},
       {"[ground]\nlow_m = 1\n", Reason::out_of_range, "ground.low_m must be below"},
       {"[camera]\nwidth_px = 160\n", Reason::out_of_range, "within the image"},
       {"[map]\nwindow_radius_m = 2\n", Reason::out_of_range, "at least map.far_m"},
