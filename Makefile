@@ -32,7 +32,8 @@ DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 # Debian has no static archive of these; scripts/setup builds them. A build without libmosquitto has no way to a broker,
 # one without OpenNI2 and libusb knows no Kinect; both say so. A toolchain for another machine says in STATIC_LIBS_ENV
 # what scripts/static_libs is to compile with.
-static_lib = $(shell $(STATIC_LIBS_ENV) scripts/static_libs where $(1))
+STATIC_LIBS ?= $(STATIC_LIBS_ENV) scripts/static_libs
+static_lib = $(shell $(STATIC_LIBS) where $(1))
 MOSQUITTO := $(call static_lib,mosquitto)
 LIBUSB := $(call static_lib,libusb)
 OPENNI := $(call static_lib,openni2)
