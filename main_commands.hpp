@@ -96,9 +96,10 @@ struct LiveOptions {
   double drift = 0.0;           ///< how wrong the simulated base's odometry is
   std::string drift_like = "kobuki";
   bool no_noise = false;
-  double slow = 1.0;     ///< its clock: so many seconds pass in one of its own; only with the camera of a building
-  std::string record;    ///< folder for frames, poses and the base's bytes; empty: nothing is recorded
-  std::string oni_path;  ///< what a Kinect sees is recorded there; empty: nowhere
+  double slow = 1.0;        ///< its clock: so many seconds pass in one of its own; only with the camera of a building
+  std::string record;       ///< folder for frames, poses and the base's bytes; empty: nothing is recorded
+  std::string oni_path;     ///< what a Kinect sees is recorded there; empty: nowhere
+  bool await_base = false;  ///< a base that is not there yet is no error
   StagingOptions staging;
 };
 

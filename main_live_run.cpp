@@ -146,7 +146,7 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
     stream_camera_ = std::make_unique<hal::StreamCamera>(std::move(place_of_stream).value(), config_.camera, clock_,
                                                          clock_.slow_percent());
   }
-  if (auto opened = port_.open(); !opened) return opened;
+  if (auto opened = port_.open(); !opened && !options_.await_base) return opened;
   hal::DepthCamera& eye = recording_ != nullptr ? recording_->camera(camera()) : camera();
   nav::RobotParts parts{port_, eye, clock_, [this] { end_camera(); }, &*guard_, nullptr, {}};
   if (recording_ != nullptr) record(parts);

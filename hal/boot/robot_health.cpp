@@ -29,7 +29,7 @@ Notice parse_notice(std::string_view datagram) {
 }
 
 void RobotHealth::on_start(TimeNs now_ns) {
-  is_away_ = is_ready_ = is_stopping_ = false;
+  is_away_ = has_spoken_ = is_ready_ = is_stopping_ = false;
   start_ns_ = now_ns;
 }
 
@@ -40,11 +40,10 @@ void RobotHealth::on_notice(const Notice& notice, TimeNs now_ns) {
     heard_ns_ = now_ns;
   }
   if (is_stopping_) return;
-  if (notice.is_ready && !is_ready_) {
-    is_ready_ = true;
-    heard_ns_ = now_ns;
-  }
-  if (notice.is_alive && is_ready_) heard_ns_ = now_ns;
+  const bool is_news = notice.is_alive || (notice.is_ready && !is_ready_);
+  is_ready_ = is_ready_ || notice.is_ready;
+  has_spoken_ = has_spoken_ || is_news;
+  if (is_news) heard_ns_ = now_ns;
 }
 
 void RobotHealth::on_end() { is_away_ = true; }
@@ -52,8 +51,9 @@ void RobotHealth::on_end() { is_away_ = true; }
 RobotHealth::State RobotHealth::state(TimeNs now_ns) const {
   if (is_away_) return State::away;
   if (is_stopping_) return now_ns - heard_ns_ > limits_.stop_ns ? State::overdue : State::stopping;
-  if (!is_ready_) return now_ns - start_ns_ > limits_.start_ns ? State::overdue : State::starting;
-  return now_ns - heard_ns_ > limits_.silent_ns ? State::silent : State::running;
+  if (!has_spoken_) return now_ns - start_ns_ > limits_.start_ns ? State::overdue : State::starting;
+  if (now_ns - heard_ns_ > limits_.silent_ns) return State::silent;
+  return is_ready_ ? State::running : State::starting;
 }
 
 bool RobotHealth::may_feed(TimeNs now_ns) const {

@@ -14,7 +14,7 @@ namespace g3d::hal::boot {
 
 /// One datagram.
 struct Notice {
-  bool is_ready = false;     ///< READY=1: its threads run
+  bool is_ready = false;     ///< READY=1: its first frame is mapped
   bool is_alive = false;     ///< WATCHDOG=1: all of them make progress
   bool is_stopping = false;  ///< STOPPING=1
   std::string status;        ///< STATUS=...: for people, one line of printable text
@@ -27,9 +27,10 @@ class RobotHealth {
  public:
   struct Limits {
     TimeNs silent_ns = 2'000'000'000;   ///< a running robot speaks at least so often
-    TimeNs start_ns = 120'000'000'000;  ///< from its start until it says READY=1
+    TimeNs start_ns = 120'000'000'000;  ///< from its start until it speaks at all
     TimeNs stop_ns = 60'000'000'000;    ///< from STOPPING=1 to its end: it saves the map
   };
+  /// starting: nothing is mapped yet, as when no camera is plugged in; its threads run, if it has spoken.
   enum class State : std::uint8_t { away, starting, running, silent, stopping, overdue };
 
   explicit RobotHealth(const Limits& limits) : limits_(limits) {}
@@ -44,6 +45,7 @@ class RobotHealth {
  private:
   Limits limits_;
   bool is_away_ = true;
+  bool has_spoken_ = false;
   bool is_ready_ = false;
   bool is_stopping_ = false;
   TimeNs start_ns_ = 0;

@@ -36,7 +36,6 @@ TEST_CASE("the watchdog is fed while the robot starts, and then only while it sp
 
   health.on_start(10 * kSecond_ns);
   CHECK(health.state(110 * kSecond_ns) == State::starting);
-  health.on_notice(kAlive, 50 * kSecond_ns);  // not before it says that it runs
   CHECK(health.state(110 * kSecond_ns + 1) == State::overdue);
   CHECK_FALSE(health.may_feed(110 * kSecond_ns + 1));
 
@@ -52,6 +51,17 @@ TEST_CASE("the watchdog is fed while the robot starts, and then only while it sp
   CHECK(health.may_feed(206 * kSecond_ns));
   health.on_end();
   CHECK(health.may_feed(1000 * kSecond_ns));
+}
+
+TEST_CASE("a robot whose threads run is left in peace where there is nothing to map", "[boot]") {
+  RobotHealth health({2 * kSecond_ns, 100 * kSecond_ns, 30 * kSecond_ns});
+  health.on_start(0);
+  for (TimeNs now_ns = kSecond_ns; now_ns < 1000 * kSecond_ns; now_ns += kSecond_ns) {
+    health.on_notice(kAlive, now_ns);
+    REQUIRE(health.state(now_ns) == State::starting);
+    REQUIRE(health.may_feed(now_ns));
+  }
+  CHECK_FALSE(health.may_feed(1002 * kSecond_ns));  // 999 s was the last
 }
 
 TEST_CASE("a robot that ends may take its time to save the map, but not for ever", "[boot]") {
