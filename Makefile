@@ -51,10 +51,11 @@ LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% hal/mqtt/pick/% hal/kine
   hal/kinect/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK) $(MQTT_PICK) $(KINECT_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
 UNIT_SRC := $(filter-out $(if $(OPENNI_LIB),,tests/hal/kinect/openni/%),$(shell find tests -name '*_test.cpp' \
-  -not -path 'tests/system/*' | sort))
+  -not -path 'tests/system/*' -not -path 'tests/emulated/*' | sort))
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
 # Under the thread sanitizer only what starts threads is worth its time.
 THREAD_SRC := $(shell grep -l '\[threads\]' $(UNIT_SRC) /dev/null)
+EMULATED_SRC := $(sort $(wildcard tests/emulated/*.cpp))
 SUPPORT_SRC := $(wildcard tests/support/*.cpp)
 FUZZ_SRC := $(sort $(wildcard tests/fuzz/*_fuzz.cpp))
 BENCH_SRC := $(sort $(wildcard tests/bench/*_bench.cpp))
@@ -76,7 +77,7 @@ OWN_SRC := mapper/version.cpp mapper/cuda/carried.cpp $(MQTT_PICK) $(KINECT_PICK
 HOT_SRC := $(filter hal/kinect/depth_table.cpp hal/kinect/depth_registration.cpp mapper/cpu/% mapper/cuda/mirror.cpp hal/sim/% nav/astar.cpp nav/distance_field.cpp nav/inflation.cpp \
   nav/column_evidence.cpp net/block_wire.cpp net/range_coder.cpp,$(LIB_SRC))
 # Readers of outside data.
-READER_SRC := $(filter board/% hal/image/% hal/replay/% mapper/files/% \
+READER_SRC := $(filter $(addprefix hal/boot/,init_config.cpp link_local.cpp mdns_answer.cpp robot_health.cpp) board/% hal/image/% hal/replay/% mapper/files/% \
   $(addprefix net/,block_plain.cpp block_wire.cpp broker_options.cpp datagram_batch.cpp datagram_gate.cpp \
     datagram_seal.cpp fleet_key_file.cpp gossip.cpp handshake_message.cpp journal_entry.cpp journal_frame.cpp \
     journal_restore.cpp layer_identity.cpp range_coder.cpp reconcile_message.cpp reconciler.cpp robot_status.cpp \
@@ -105,6 +106,7 @@ LIGHT_UNIT_OBJ := $(call grouped,tests,light,$(filter-out $(COMPUTING_TESTS),$(U
 OTHER_UNIT_OBJ := $(call grouped,tests,unit,$(filter $(COMPUTING_TESTS),$(UNIT_SRC)))
 THREAD_OBJ := $(call grouped,tests,thread,$(THREAD_SRC))
 SYSTEM_OBJ := $(call objects,$(SYSTEM_SRC))
+EMULATED_OBJ := $(call objects,$(EMULATED_SRC))
 SUPPORT_OBJ := $(call grouped,tests,support,$(SUPPORT_SRC))
 # Catch2's own code is neither measured nor under suspicion: compiled once, for all flavours.
 RUNNER_OBJ := build/runner/main.o
@@ -202,6 +204,23 @@ $(BUILD)/thread_tests: $(RUNNER_OBJ) $(THREAD_OBJ) $(SUPPORT) $(LIB)
 $(BUILD)/system_tests: $(RUNNER_OBJ) $(SYSTEM_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+
+# A robot's computer under QEMU (scripts/setup emulated): the cross-built program, an image of it, and the tests outside.
+TX2_EXE := build/tx2/g3dmap
+IMAGE := build/emulated/image
+.PHONY: image emulated build-emulated
+$(TX2_EXE): force
+	$(MAKE) TOOLCHAIN=toolchain/tx2.mk GROUPED="$(GROUPED)" $@
+image: $(TX2_EXE) ## a bootable disk image for the emulated machine; scripts/image --help for a real one
+	scripts/image $(IMAGE_ARGS)
+$(IMAGE)/disk.img: $(TX2_EXE) scripts/image tests/emulated/init.toml board/emulated.toml
+	scripts/image --init tests/emulated/init.toml --out $(IMAGE)
+$(BUILD)/emulated_tests: $(RUNNER_OBJ) $(EMULATED_OBJ) $(SUPPORT) $(LIB)
+	$(SAY) $@
+	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+build-emulated: $(BUILD)/emulated_tests $(EXE) $(IMAGE)/disk.img
+emulated: build-emulated ## the robot in an emulated machine: boot, drive, unplug, watchdog, power cuts, updates
+	G3DMAP_EXE=$(abspath $(EXE)) G3DMAP_IMAGE=$(abspath $(IMAGE)) $(BUILD)/emulated_tests $(TEST_ARGS)
 
 build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
 unit-tests: $(BUILD)/unit_tests ## unit tests alone
@@ -306,7 +325,7 @@ $(sort $(PCH).gch $(LIGHT_PCH).gch $(COMMON).gch):
 	@cp $< $(basename $@)
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -MF $(basename $@).d -x c++-header -o $@ $<
 precompiled = -Winvalid-pch $(if $(findstring clang,$(CXX)),,-fpch-preprocess) -include $(1)
-TEST_OBJ := $(sort $(OTHER_UNIT_OBJ) $(THREAD_OBJ) $(SYSTEM_OBJ) $(SUPPORT_OBJ))
+TEST_OBJ := $(sort $(OTHER_UNIT_OBJ) $(THREAD_OBJ) $(SYSTEM_OBJ) $(EMULATED_OBJ) $(SUPPORT_OBJ))
 $(TEST_OBJ): private FLAGS += $(TEST_OPT) $(call precompiled,$(PCH))
 $(TEST_OBJ): $(PCH).gch
 $(LIGHT_UNIT_OBJ): private FLAGS += $(LIGHT_TEST_OPT) $(call precompiled,$(LIGHT_PCH))

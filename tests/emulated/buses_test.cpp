@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The emergency stops of an emulated robot: a line of the board's GPIO chip, and a node on its CAN bus.
+#include <catch2/catch.hpp>
+
+#include "tests/emulated/robot_machine.hpp"
+
+using namespace g3d::test;
+using std::chrono::seconds;
+
+namespace {
+
+// Line 3 of the chip (pl061) is low, and high for 0.1 s when the board's power key is pressed: like a wire that breaks.
+constexpr const char* kBoard = R"(
+[can]
+interface = "vcan0"
+estop_node = 17
+estop_heartbeat_ms = 2000
+
+[gpio]
+chip = "gpiochip0"
+estop = "3"
+estop_closed = "low"
+)";
+
+}  // namespace
+
+TEST_CASE("an emulated robot stops for its GPIO line, for an EMCY, and for a heartbeat that is lost",
+          "[emulated][buses]") {
+  if (const std::string missing = no_robot_machine(); !missing.empty()) FAIL(missing);
+  const TempFolder folder;
+  RobotMachine robot("two_rooms");
+  write_plain(folder / "board.toml", read_plain("board/emulated.toml") + kBoard);
+  put_on_data(robot.disk(), folder / "board.toml", "board.toml");
+  std::string init = read_plain("tests/emulated/init.toml");
+  const std::string system_board = "/system/board.toml";
+  init.replace(init.find(system_board), system_board.size(), "/data/board.toml");
+  write_plain(folder / "init.toml", init);
+  put_on_data(robot.disk(), folder / "init.toml", "init.toml");
+
+  Machine& machine = robot.machine();
+  machine.power_on();
+  INFO("the console is in the folder of the test");
+  REQUIRE(machine.await(kMapping, seconds(120)));
+  // A node that was never heard: it stands until it is.
+  CHECK(robot.stands_within(seconds(20)));
+  machine.type("run buses --play-node vcan0:17");
+  REQUIRE(robot.moves_within(seconds(60)));
+
+  machine.type("type press");
+  CHECK(robot.stands_within(seconds(60)));
+  machine.type("type release");
+  machine.type("tell resume");
+  REQUIRE(robot.moves_within(seconds(60)));
+
+  REQUIRE(machine.pulse_gpio());
+  CHECK(robot.stands_within(seconds(60)));
+  machine.type("tell resume");
+  REQUIRE(robot.moves_within(seconds(60)));
+
+  machine.type("end");  // the node dies without a word
+  CHECK(robot.stands_within(seconds(60)));
+  const std::size_t before = machine.console_size();
+  machine.type("tell buses");
+  const auto counts = machine.await("heartbeat", seconds(20), before);
+  REQUIRE(counts);
+  INFO(*counts);
+  CHECK(machine.is_on());
+}
