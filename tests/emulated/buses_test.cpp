@@ -39,26 +39,25 @@ TEST_CASE("an emulated robot stops for its GPIO line, for an EMCY, and for a hea
 
   Machine& machine = robot.machine();
   machine.power_on();
-  INFO("the console is in the folder of the test");
-  REQUIRE(machine.await(kMapping, seconds(120)));
+  REQUIRE(machine.await(kMapping, kBootLimit));
   // A node that was never heard: it stands until it is.
-  CHECK(robot.stands_within(seconds(20)));
+  CHECK(robot.stands_within(kMoveLimit));
   machine.type("run buses --play-node vcan0:17");
-  REQUIRE(robot.moves_within(seconds(60)));
+  REQUIRE(robot.moves_within(kMoveLimit));
 
   machine.type("type press");
-  CHECK(robot.stands_within(seconds(60)));
+  CHECK(robot.stands_within(kMoveLimit));
   machine.type("type release");
   machine.type("tell resume");
-  REQUIRE(robot.moves_within(seconds(60)));
+  REQUIRE(robot.moves_within(kMoveLimit));
 
   REQUIRE(machine.pulse_gpio());
-  CHECK(robot.stands_within(seconds(60)));
+  CHECK(robot.stands_within(kMoveLimit));
   machine.type("tell resume");
-  REQUIRE(robot.moves_within(seconds(60)));
+  REQUIRE(robot.moves_within(kMoveLimit));
 
   machine.type("end");  // the node dies without a word
-  CHECK(robot.stands_within(seconds(60)));
+  CHECK(robot.stands_within(kMoveLimit));
   const std::size_t before = machine.console_size();
   machine.type("tell buses");
   const auto counts = machine.await("heartbeat", seconds(20), before);

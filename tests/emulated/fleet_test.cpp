@@ -41,8 +41,8 @@ TEST_CASE("two emulated robots on one cable find each other and share what they 
   }
   for (RobotMachine* robot : {&one, &two}) {
     INFO(robot->machine().console());
-    REQUIRE(robot->machine().await("network: 169.254.", seconds(180)));
-    REQUIRE(robot->machine().await(kMapping, seconds(180)));
+    REQUIRE(robot->machine().await("network: 169.254.", kBootLimit));
+    REQUIRE(robot->machine().await(kMapping, kBootLimit));
   }
   CHECK(sees_the_other(one.machine()));
   CHECK(sees_the_other(two.machine()));

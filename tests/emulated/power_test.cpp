@@ -36,7 +36,7 @@ void cut_power_often(int cuts, unsigned seed) {
   for (int cut = 0; cut <= cuts; ++cut) {
     const std::size_t before = machine.console_size();
     machine.power_on();
-    REQUIRE(machine.await(kMapping, seconds(120), before));
+    REQUIRE(machine.await(kMapping, kBootLimit, before));
     const auto restored = known_versions(machine);
     INFO(machine.console(before));
     REQUIRE(restored);

@@ -15,6 +15,8 @@ namespace g3d::test {
 /// speed, and the machine that emulates it may be busy.
 inline constexpr int kSlow = 4;
 
+/// Whoever emulates it may be busy; without that a boot takes 20 s, and a robot moves within some.
+inline constexpr std::chrono::seconds kBootLimit{300}, kMoveLimit{120};
 /// What the console shows as soon as the first frame is in the map.
 inline constexpr const char* kMapping = "the robot maps";
 

@@ -18,7 +18,7 @@ TEST_CASE("an emulated robot boots, drives, stands without its base, and comes b
   Machine& machine = robot.machine();
   const auto power_on = std::chrono::steady_clock::now();
   machine.power_on();
-  const auto first = machine.await(kMapping, seconds(120));
+  const auto first = machine.await(kMapping, kBootLimit);
   INFO(machine.console());
   REQUIRE(first);
   const double boot_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - power_on).count();
@@ -29,25 +29,25 @@ TEST_CASE("an emulated robot boots, drives, stands without its base, and comes b
   CHECK(machine.console().find("is the first process") != std::string::npos);
   CHECK(machine.console().find("system a") != std::string::npos);
 
-  REQUIRE(robot.moves_within(seconds(60)));
+  REQUIRE(robot.moves_within(kMoveLimit));
   REQUIRE(machine.unplug_base());
   // What a base that was told to drive does without a line is the base's business; that it is told zero at once when
   // the line is back, and that it goes on then, is ours.
   std::this_thread::sleep_for(seconds(3));
   REQUIRE(machine.plug_base());
-  CHECK(robot.moves_within(seconds(60)));
+  CHECK(robot.moves_within(kMoveLimit));
 
   const std::size_t before = machine.console_size();
   machine.type("hang mapper");
-  REQUIRE(machine.await("hangs", seconds(10), before));
-  REQUIRE(machine.await("not fed any more", seconds(60), before));
-  REQUIRE(robot.stands_within(seconds(60)));
-  REQUIRE(machine.await("is the first process", seconds(90), before));
-  const auto again = machine.await(kMapping, seconds(120), before);
+  REQUIRE(machine.await("hangs", kMoveLimit, before));
+  REQUIRE(machine.await("not fed any more", kMoveLimit, before));
+  REQUIRE(robot.stands_within(kMoveLimit));
+  REQUIRE(machine.await("is the first process", kBootLimit, before));
+  const auto again = machine.await(kMapping, kBootLimit, before);
   REQUIRE(again);
-  CHECK(robot.moves_within(seconds(60)));
+  CHECK(robot.moves_within(kMoveLimit));
 
   const std::size_t last = machine.console_size();
   machine.type("poweroff");
-  CHECK(machine.await("is switched off", seconds(60), last));
+  CHECK(machine.await("is switched off", kMoveLimit, last));
 }

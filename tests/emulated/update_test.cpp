@@ -49,15 +49,15 @@ TEST_CASE("a system that does not run is left for the one that did, without anyb
 
   Machine& machine = robot.machine();
   machine.power_on();
-  const auto tried = machine.await("system b, on trial", seconds(120));
+  const auto tried = machine.await("system b, on trial", kBootLimit);
   INFO(machine.console());
   REQUIRE(tried);
-  REQUIRE(machine.await("on trial and does not run", seconds(60)));
-  REQUIRE(machine.await("did not come up: back to the other one", seconds(300)));
-  REQUIRE(machine.await(kMapping, seconds(120)));
+  REQUIRE(machine.await("on trial and does not run", kBootLimit));
+  REQUIRE(machine.await("did not come up: back to the other one", 4 * kBootLimit));
+  REQUIRE(machine.await(kMapping, kBootLimit));
   const std::string console = machine.console();
   std::size_t trials = 0;
   for (std::size_t at = 0; (at = console.find("system b, on trial", at)) != std::string::npos; ++at) ++trials;
   CHECK(trials == hal::kMostFailedStarts);
-  CHECK(robot.moves_within(seconds(60)));
+  CHECK(robot.moves_within(kMoveLimit));
 }
