@@ -17,7 +17,7 @@
 namespace g3d::hal::boot {
 namespace {
 
-constexpr std::size_t kMostLine_bytes = 1000;
+constexpr std::size_t kMostOutputLine_bytes = 1000;
 constexpr int kCannotExecute = 127;
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -84,7 +84,7 @@ void ChildProcess::read_lines(const std::function<void(std::string_view)>& take)
       // A line that is written over itself, as progress is, counts as many.
       const bool is_end = c == '\n' || c == '\r';
       if (!is_end) line_ += c >= ' ' && c <= '~' ? c : '?';
-      if ((is_end && !line_.empty()) || line_.size() >= kMostLine_bytes) {
+      if ((is_end && !line_.empty()) || line_.size() >= kMostOutputLine_bytes) {
         take(line_);
         line_.clear();
       }

@@ -21,14 +21,14 @@ namespace {
 constexpr std::size_t kMostConfig_bytes = 64U << 10;
 constexpr std::size_t kMostArguments = 64;
 constexpr std::size_t kMostArgument_bytes = 256;
-constexpr std::size_t kMostName_bytes = 32;
+constexpr std::size_t kMostHostName_bytes = 32;
 constexpr std::size_t kMostInterface_bytes = 15;  // IFNAMSIZ without its end
 
 bool is_name(std::string_view text) {
   const auto is_fit = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
   };
-  return !text.empty() && text.size() <= kMostName_bytes && text.front() != '-' && text.back() != '-' &&
+  return !text.empty() && text.size() <= kMostHostName_bytes && text.front() != '-' && text.back() != '-' &&
          std::all_of(text.begin(), text.end(), is_fit);
 }
 

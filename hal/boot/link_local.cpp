@@ -6,8 +6,8 @@
 namespace g3d::hal::boot {
 namespace {
 
-constexpr std::uint32_t kFirst = 0xA9FE0100;  // 169.254.1.0: the first and last 256 are reserved
-constexpr std::uint32_t kCount = 0xFE00;
+constexpr std::uint32_t kFirstLinkLocal = 0xA9FE0100;  // 169.254.1.0: the first and last 256 are reserved
+constexpr std::uint32_t kLinkLocalCount = 0xFE00;
 constexpr std::array<std::uint8_t, 6> kEthernetIpv4 = {0, 1, 8, 0, 6, 4};
 
 void put_ipv4(ArpPacket& packet, std::size_t at, std::uint32_t ipv4) {
@@ -60,7 +60,7 @@ std::uint64_t LinkLocal::draw() {
 }
 
 void LinkLocal::choose(TimeNs now_ns) {
-  ipv4_ = kFirst + static_cast<std::uint32_t>(draw() % kCount);
+  ipv4_ = kFirstLinkLocal + static_cast<std::uint32_t>(draw() % kLinkLocalCount);
   sent_ = 0;
   conflict_ns_.reset();
   // Machines that are switched on together do not all ask at once.

@@ -13,7 +13,7 @@
 
 namespace g3d::hal::boot {
 namespace {
-constexpr std::size_t kMostLine_bytes = 1000;
+constexpr std::size_t kMostLogLine_bytes = 1000;
 }
 
 LogRing::~LogRing() {
@@ -50,7 +50,7 @@ Result<void> LogRing::open(const std::string& folder) {
 }
 
 void LogRing::write(std::string_view line) {
-  std::string text(line.substr(0, kMostLine_bytes));
+  std::string text(line.substr(0, kMostLogLine_bytes));
   text += '\n';
   if (fd_ >= 0 && written_bytes_ + text.size() > bounds_.file_bytes) (void)begin((number_ + 1) % bounds_.files, true);
   const ssize_t wrote = fd_ >= 0 ? ::write(fd_, text.data(), text.size()) : -1;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kHeader_bytes = 12;
 constexpr int kMostQuestions = 16;
-constexpr std::size_t kMostName_bytes = 255;
+constexpr std::size_t kMostDnsName_bytes = 255;
 constexpr std::uint16_t kTypeA = 1, kTypeAny = 255, kClassIn = 1, kClassAny = 255;
 constexpr std::uint16_t kTopBit = 0x8000;   // of a question's class: answer me alone; of a record's: ours alone
 constexpr std::uint32_t kLife_s = 120;      // section 10: of records with a host's address
@@ -44,7 +44,7 @@ std::optional<std::string> read_name(std::span<const std::uint8_t> bytes, std::s
       from = to;
       continue;
     }
-    if (length > 63 || from + 1 + length > bytes.size() || name.size() + length + 1 > kMostName_bytes)
+    if (length > 63 || from + 1 + length > bytes.size() || name.size() + length + 1 > kMostDnsName_bytes)
       return std::nullopt;
     for (std::size_t i = 1; i <= length; ++i) name += lower(bytes[from + i]);
     name += '.';
