@@ -252,6 +252,7 @@ int run_init() {
   while (::waitpid(-1, nullptr, 0) > 0 || errno == EINTR) {
   }
   if (machine.has_data) {
+    machine.speaker.close_log();
     if (const auto ended = hal::boot::end_writing("/data"); !ended) machine.speaker.say(ended.error().text);
   }
   ::sync();

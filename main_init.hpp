@@ -38,6 +38,7 @@ class Speaker {
   void pass_on(std::string_view who, std::string_view line);
   /// Errors: those of the folder. What was said before goes there too.
   [[nodiscard]] hal::Result<void> open_log(const std::string& folder);
+  void close_log() { log_.close(); }
   [[nodiscard]] const hal::boot::LogRing& log() const { return log_; }
 
  private:

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "hal/image/atomic_file.hpp"
 
@@ -16,8 +17,10 @@ namespace {
 constexpr std::size_t kMostLogLine_bytes = 1000;
 }
 
-LogRing::~LogRing() {
-  if (fd_ >= 0) ::close(fd_);
+LogRing::~LogRing() { close(); }
+
+void LogRing::close() {
+  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
 }
 
 std::string LogRing::path(int number) const { return fmt::format("{}/{}.log", folder_, number); }

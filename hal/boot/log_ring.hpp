@@ -26,6 +26,8 @@ class LogRing {
 
   /// Makes the folder and goes on in the newest file of it. Errors: those of the folder.
   [[nodiscard]] Result<void> open(const std::string& folder);
+  /// Lines after this are lost: a file system cannot be left while a file of it is open.
+  void close();
   /// A line without its end. Cut at 1000 bytes; thrown away and counted where the disk does not take it.
   void write(std::string_view line);
   /// Bytes of the last lines, for a console.

@@ -46,6 +46,9 @@ TEST_CASE("the log goes on where it was after a restart", "[boot]") {
   REQUIRE(log.open(folder.path()).ok());
   log.write("after");
   CHECK(log.tail(1000) == "before\nafter\n");
+  log.close();
+  log.write("too late");
+  CHECK(log.lost_lines() == 1);
   CHECK(test::read_plain(folder.path() + "/0.log") == "before\nafter\n");
 }
 
