@@ -24,7 +24,7 @@ WARN := $(WARN_BASE)
 # clang dislikes `|` between conditions, which keeps loops free of branches.
 WARN += $(if $(findstring clang,$(CXX)),-Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses,-Wno-restrict -Wno-stringop-overflow)
 # -ffp-contract=off: a fused multiply-add rounds differently, and twins must agree to the last bit.
-FLAGS = -std=c++20 $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE) $(COVERED)
+FLAGS = -std=c++20 $(TARGET) $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math $(SANITIZE) $(COVERED)
 # Members of a group are no headers, though they are included; and g++ 12 sees more that is none (bug 105651). What one
 # has in its file is no business of another's names: `make` compiles file by file and looks at that.
 WARN += $(if $(GROUPED),-Wno-shadow $(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
@@ -50,8 +50,8 @@ HELPER_SRC := $(wildcard mapper/cuda/helper/*.cpp)
 LIB_SRC := $(filter-out $(KERNEL_SRC) mapper/cpu/pick/% hal/mqtt/pick/% hal/kinect/openni/% hal/kinect/usb/% \
   hal/kinect/pick/% $(HELPER_SRC),$(shell find $(ROOMS) -name '*.cpp' | sort)) $(KERNEL_PICK) $(MQTT_PICK) $(KINECT_PICK)
 MAIN_SRC := $(wildcard main*.cpp)
-UNIT_SRC := $(filter-out $(if $(OPENNI_LIB),,tests/hal/kinect/openni/%),$(shell find tests -name '*_test.cpp' \
-  -not -path 'tests/system/*' -not -path 'tests/emulated/*' | sort))
+UNIT_SRC := $(filter-out $(NOT_TESTED) $(if $(OPENNI_LIB),,tests/hal/kinect/openni/%),$(filter $(or $(TESTED),%),\
+  $(shell find tests -name '*_test.cpp' -not -path 'tests/system/*' -not -path 'tests/emulated/*' | sort)))
 SYSTEM_SRC := $(sort $(wildcard tests/system/*_test.cpp))
 # Under the thread sanitizer only what starts threads is worth its time.
 THREAD_SRC := $(shell grep -l '\[threads\]' $(UNIT_SRC) /dev/null)
@@ -109,7 +109,8 @@ SYSTEM_OBJ := $(call objects,$(SYSTEM_SRC))
 EMULATED_OBJ := $(call objects,$(EMULATED_SRC))
 SUPPORT_OBJ := $(call grouped,tests,support,$(SUPPORT_SRC))
 # Catch2's own code is neither measured nor under suspicion: compiled once, for all flavours.
-RUNNER_OBJ := build/runner/main.o
+RUNNER_OBJ ?= build/runner/main.o
+RUNNER_CXX ?= g++
 SUPPORT := $(BUILD)/libsupport.a
 BENCH_EXE := $(BENCH_SRC:tests/bench/%.cpp=$(BUILD)/bench/%)
 FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
@@ -133,7 +134,7 @@ $(PTX): mapper/cuda/kernels.cu
 # but these names, under the version that they have had from the start: what is newer does not link. Its start code gives
 # __libc_start_main no function that runs constructors, so it must have none (a test looks).
 OLD_LIBC := $(BUILD)/old_libc
-LIBC_CALLS := __libc_start_main __cxa_finalize syscall mmap lseek getppid nanosleep sleep memcpy memset
+LIBC_CALLS := __libc_start_main abort __cxa_finalize syscall mmap lseek getppid nanosleep sleep memcpy memset
 LIBDL_CALLS := dlopen dlsym
 LIBC_VERSION = $(if $(filter aarch64%,$(shell $(CXX) -dumpmachine)),GLIBC_2.17,GLIBC_2.2.5)
 $(OLD_LIBC)/libc.so.6: CALLS := $(LIBC_CALLS)
@@ -148,7 +149,7 @@ $(HELPER): $(HELPER_SRC) $(wildcard mapper/cuda/helper/*.hpp) mapper/cuda/helper
   mapper/cuda/memory.hpp mapper/cuda/frame_params.hpp mapper/cuda/align_memory.hpp $(wildcard mapper/align/*.hpp)
 	@mkdir -p $(@D)
 	$(SAY) $@
-	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -nodefaultlibs -o $@ $(HELPER_SRC) \
+	$(Q)$(CXX) -std=c++20 $(TARGET) -O2 $(WARN) -I. -fno-exceptions -fno-rtti -s -nodefaultlibs -o $@ $(HELPER_SRC) \
 	  -Wl,--no-as-needed $(OLD_LIBC)/libdl.so.2 $(OLD_LIBC)/libc.so.6
 $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
@@ -190,20 +191,20 @@ FAKE_CUDA := $(BUILD)/fake_cuda/libcuda.so.1
 $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cuda/kernels/*.hpp mapper/cuda/helper/*.hpp)
 	@mkdir -p $(@D)
 	$(SAY) $@
-	$(Q)$(CXX) -std=c++20 -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
+	$(Q)$(CXX) -std=c++20 $(TARGET) -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
 $(BUILD)/unit_tests $(BUILD)/thread_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
 $(BUILD)/unit_tests: $(RUNNER_OBJ) $(LIGHT_UNIT_OBJ) $(OTHER_UNIT_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
-	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(Q)$(CXX) $(FLAGS) $(TEST_LINK) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 $(BUILD)/thread_tests: $(RUNNER_OBJ) $(THREAD_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
-	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(Q)$(CXX) $(FLAGS) $(TEST_LINK) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 $(BUILD)/system_tests: $(RUNNER_OBJ) $(SYSTEM_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
-	$(Q)$(CXX) $(FLAGS) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(Q)$(CXX) $(FLAGS) $(TEST_LINK) -o $@ $^ $(TEST_LIBS) $(LIBS)
 
 # A robot's computer under QEMU (scripts/setup emulated): the cross-built program, an image of it, and the tests outside.
 TX2_EXE := build/tx2/g3dmap
@@ -224,7 +225,7 @@ emulated: build-emulated ## the robot in an emulated machine: boot, drive, unplu
 
 build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
 unit-tests: $(BUILD)/unit_tests ## unit tests alone
-	$(BUILD)/unit_tests $(TEST_ARGS)
+	$(EMULATOR) $(BUILD)/unit_tests $(TEST_ARGS)
 system-tests: $(BUILD)/system_tests $(EXE) ## tests that run the built program
 	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests $(TEST_ARGS)
 test: unit-tests system-tests ## unit and system tests
@@ -293,7 +294,9 @@ build/tidy/%.ok: %.cpp .clang-tidy
 	@touch $@
 lint: house tidy ## house and tidy
 
-.PHONY: ptxas
+.PHONY: third-party ptxas
+third-party:
+	@$(STATIC_LIBS_ENV) scripts/static_libs
 ptxas: $(PTX) ## registers and spills of the kernels on real cards, where NVIDIA's assembler is installed
 	scripts/check-ptx $<
 
@@ -340,7 +343,7 @@ $(PLAIN_OBJ) $(MAIN_OBJ): $(COMMON).gch
 $(RUNNER_OBJ): tests/main.cpp
 	@mkdir -p $(@D)
 	$(SAY) $@
-	$(Q)$(CCACHE) g++ -std=c++20 -O0 $(WARN_BASE) -c -o $@ $<
+	$(Q)$(CCACHE) $(RUNNER_CXX) $(TARGET) -std=c++20 -O0 $(WARN_BASE) -c -o $@ $<
 
 define kernel_rule
 $(BUILD)/%.$(1).o: %.cpp

@@ -195,7 +195,7 @@ TEST_CASE("without poses the base's bytes give them", "[system][replay]") {
   REQUIRE(way.ok());
   REQUIRE(way.value().size() == 12);
   const g3d::hal::Pose& last = way.value().back().T_world_camera;
-  CHECK(last.translation_m[2] == Approx(0.42));  // as the board has it mounted
+  CHECK(last.translation_m[2] == Approx(0.297));  // as the board has it mounted
   CHECK(last.translation_m[0] - way.value().front().T_world_camera.translation_m[0] ==
         Approx(11.0 / 30.0 * 230 * 50 * g3d::hal::kobuki::kMetresPerTick).epsilon(0.02));
 
