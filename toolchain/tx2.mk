@@ -31,7 +31,7 @@ TEST_LINK := -static
 TEST_OPT ?= -O1
 LIGHT_TEST_OPT ?= -O0
 # Of the unit tests those that a machine can make differ: arithmetic and vectors, bytes in files and on wires, signs of
-# characters. TESTED=tests/% takes all others as well.
+# characters. TESTED=tests/% would take all others as well.
 TESTED ?= $(addprefix tests/,board/% hal/image/% hal/replay/% mapper/align/% mapper/cpu/% mapper/files/% \
   $(addprefix hal/,decimal_% geometry_% messages_% kobuki/command_% kobuki/feedback_% kobuki/frame_% kobuki/odometry_% kobuki/packet_% \
     sim/kinect_noise_% sim/plain_trig_% sim/ray_caster_% sim/text_fields_% sim/tile_kernels_% sim/world_%) \
