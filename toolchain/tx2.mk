@@ -34,7 +34,7 @@ LIGHT_TEST_OPT ?= -O0
 # characters. TESTED=tests/% would take all others as well.
 TESTED ?= $(addprefix tests/,board/% hal/image/% hal/replay/% mapper/align/% mapper/cpu/% mapper/files/% \
   $(addprefix hal/,decimal_% geometry_% messages_% kobuki/command_% kobuki/feedback_% kobuki/frame_% kobuki/odometry_% kobuki/packet_% \
-    sim/kinect_noise_% sim/plain_trig_% sim/ray_caster_% sim/text_fields_% sim/tile_kernels_% sim/world_%) \
+    sim/kinect_noise_% sim/plain_trig_% sim/text_fields_% sim/tile_kernels_% sim/world_%) \
   $(addprefix mapper/,column_bits_% json_% map_hash_% mapper_% merge_% morton_% query_% ray_walk_% rgbo_% voxel_map_%) \
   $(addprefix nav/,astar_% distance_field_% inflation_% column_evidence_%) \
   $(addprefix net/,bit_model_% block_% datagram_% handshake_% journal_entry_% journal_frame_% layer_identity_% range_coder_% \
