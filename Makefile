@@ -94,7 +94,7 @@ READER_OBJ := $(call grouped,lib,reader,$(READER_SRC))
 HOT_OBJ := $(call grouped,lib,hot,$(HOT_SRC))
 PLAIN_OBJ := $(call grouped,lib,plain,$(filter-out $(HOT_SRC) $(READER_SRC) $(OWN_SRC),$(LIB_SRC)))
 KERNEL_OBJ := $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
-MAIN_OBJ := $(call objects,$(MAIN_SRC))
+MAIN_OBJ := $(call objects,main.cpp) $(call grouped,lib,main,$(filter-out main.cpp,$(MAIN_SRC)))
 LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KERNEL_OBJ)
 
 # Tests that compute much themselves, or have to answer in time. All others are light.
@@ -105,7 +105,9 @@ COMPUTING_TESTS := $(addprefix tests/,net/block_wire_% net/gossip_% net/set_sket
 LIGHT_UNIT_OBJ := $(call grouped,tests,light,$(filter-out $(COMPUTING_TESTS),$(UNIT_SRC)))
 OTHER_UNIT_OBJ := $(call grouped,tests,unit,$(filter $(COMPUTING_TESTS),$(UNIT_SRC)))
 THREAD_OBJ := $(call grouped,tests,thread,$(THREAD_SRC))
-SYSTEM_OBJ := $(call objects,$(SYSTEM_SRC))
+# A malloc of one's own is no part of a group.
+OWN_MALLOC_SRC := $(filter %allocation_test.cpp,$(SYSTEM_SRC))
+SYSTEM_OBJ := $(call objects,$(OWN_MALLOC_SRC)) $(call grouped,tests,system,$(filter-out $(OWN_MALLOC_SRC),$(SYSTEM_SRC)))
 EMULATED_OBJ := $(call objects,$(EMULATED_SRC))
 SUPPORT_OBJ := $(call grouped,tests,support,$(SUPPORT_SRC))
 # Catch2's own code is neither measured nor under suspicion: compiled once, for all flavours.
@@ -359,7 +361,7 @@ $(BUILD)/%.o: %.cpp
 	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
 
 # Written anew only if something else belongs in it.
-GROUP_OBJ := $(sort $(filter $(BUILD)/groups/%,$(LIB_OBJ) $(LIGHT_UNIT_OBJ) $(TEST_OBJ)))
+GROUP_OBJ := $(sort $(filter $(BUILD)/groups/%,$(LIB_OBJ) $(MAIN_OBJ) $(LIGHT_UNIT_OBJ) $(TEST_OBJ) $(FUZZ_OBJ)))
 $(GROUP_OBJ:.o=.cpp): $(BUILD)/groups/%.cpp: force
 	@mkdir -p $(@D)
 	@$(if $(filter tests/%_test.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.new

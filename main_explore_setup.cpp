@@ -24,6 +24,7 @@ constexpr double kLongest_s = 4.0 * 3600.0;  // no building of ours takes that l
 std::atomic<bool> stop_requested{false};
 std::atomic<int> stop_signals{0};
 
+// The second one ends the program at once; then a real base's guard sends the zeros.
 void on_stop_signal(int) {
   if (stop_signals.fetch_add(1) > 0) _exit(130);
   stop_requested.store(true);
@@ -72,8 +73,7 @@ void catch_stop_signals() {
   action.sa_handler = on_stop_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
 bool is_stop_requested() { return stop_requested.load(); }

@@ -2,12 +2,9 @@
 #include "main_live_run.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -18,6 +15,7 @@
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/reach.hpp"
 #include "main_building.hpp"
+#include "main_explore.hpp"
 #include "main_setup.hpp"
 
 namespace g3d {
@@ -29,23 +27,6 @@ constexpr int kRenderThreads = 1;
 constexpr int kMostStarts = 16;
 constexpr double kSettle_s = 10.0;
 constexpr double kHurriedSettle_s = 3.0;
-
-std::atomic<bool> stop_requested{false};
-std::atomic<int> stop_signals{0};
-
-// The second one ends the program at once; then the guard sends the zeros.
-void on_stop_signal(int) {
-  if (stop_signals.fetch_add(1) > 0) _exit(130);
-  stop_requested.store(true);
-}
-
-void catch_stop_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_stop_signal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-}
 
 hal::SimBuildingOptions building_options(const LiveOptions& options, const nav::RobotConfig& config,
                                          const hal::FaultPlan& faults) {
@@ -218,7 +199,7 @@ void LiveRun::run(bool show_progress) {
   buses_->start();
   robot_->start();
   nav::LiveStatus status;
-  while (!stop_requested.load() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
+  while (!is_stop_requested() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
     clock_.sleep_until(std::min(end_ns, clock_.now() + kLook_ns));
     buses_->tick_main();
     take_poses();
@@ -240,7 +221,7 @@ void LiveRun::run(bool show_progress) {
   if (fleet_ != nullptr) {
     // Who has said Ctrl-C is in a hurry, and another one would end the program without the map.
     fleet_->settle(options_.network.settle_s.value_or(was_interrupted() ? kHurriedSettle_s : kSettle_s),
-                   [was = was_interrupted()] { return !was && stop_requested.load(); });
+                   [was = was_interrupted()] { return !was && is_stop_requested(); });
     fleet_->stop();
   }
   if (control_ != nullptr) control_counts_ = control_->counts();
@@ -266,7 +247,7 @@ void LiveRun::say_words(hal::TimeNs since_ns) {
   }
 }
 
-bool LiveRun::was_interrupted() const { return stop_requested.load(); }
+bool LiveRun::was_interrupted() const { return is_stop_requested(); }
 
 std::optional<nav::OutsideView> LiveRun::outside() {
   if (building_ == nullptr) return std::nullopt;

@@ -43,17 +43,17 @@ namespace {
 
 // The first Ctrl-C lets the frames under way finish and saves the map, the second one ends the program at once.
 std::atomic<mapper::Pipeline*> running_pipeline{nullptr};
-std::atomic<int> stop_signals{0};
+std::atomic<int> pipeline_stops{0};
 
-void on_stop_signal(int) {
-  if (stop_signals.fetch_add(1) > 0) _exit(130);
+void stop_pipeline(int) {
+  if (pipeline_stops.fetch_add(1) > 0) _exit(130);
   if (mapper::Pipeline* pipeline = running_pipeline.load()) pipeline->request_stop();
 }
 
 void catch_stop_signals(mapper::Pipeline& pipeline) {
   running_pipeline.store(&pipeline);
   struct sigaction action {};
-  action.sa_handler = on_stop_signal;
+  action.sa_handler = stop_pipeline;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;  // a file that is being read or written is not to blame
   sigaction(SIGINT, &action, nullptr);

@@ -35,7 +35,7 @@ constexpr hal::TimeNs kStationProgress_ns = 500'000'000;
 constexpr double kStationCheckpoint_s = 60.0;
 
 /// What is said of a robot and would be ignored here; nothing: all is well.
-std::optional<std::string> contradiction(const board::Board& board, const LiveOptions& options) {
+std::optional<std::string> station_contradiction(const board::Board& board, const LiveOptions& options) {
   const char* what = nullptr;
   if (!options.camera.empty()) what = "--camera";
   if (!options.area.empty()) what = "--area";
@@ -205,7 +205,7 @@ int run_station(const LiveOptions& options, const std::string& command_line) {
   auto board = effective_board(mapping);
   if (!board) return fail(board.error().text);
   if (const auto said = set_network(options.network, board.value()); !said) return bad_usage(said.error().text);
-  if (const auto problem = contradiction(board.value(), options)) return bad_usage(*problem);
+  if (const auto problem = station_contradiction(board.value(), options)) return bad_usage(*problem);
   const auto staging = read_staging(options.staging);
   if (!staging) return bad_usage(staging.error().text);
   auto plan = plan_fleet(board.value(), false);
