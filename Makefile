@@ -6,9 +6,9 @@ include $(TOOLCHAIN)
 
 BUILD ?= build/host
 OPT ?= -O2 -g1
-# Tests are not what we measure.
+# Tests are not what we measure: to optimise most of them takes longer than to run them.
 TEST_OPT ?= -O1 -g1
-LIGHT_TEST_OPT ?= $(TEST_OPT)
+LIGHT_TEST_OPT ?= -O0 -g1
 SANITIZE ?=
 # What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
 COVERAGE ?=
@@ -161,7 +161,7 @@ $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $
 ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" LIGHT_TEST_OPT="-O0 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link \
   GROUPED="lib tests"
-TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" SANITIZE="-fsanitize=thread" GROUPED="lib tests"
+TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" TEST_OPT="-O0 -g1" SANITIZE="-fsanitize=thread" GROUPED="lib tests"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
 FUZZ_RUNS ?= 5000
