@@ -115,6 +115,7 @@ RUNNER_OBJ ?= build/runner/main.o
 RUNNER_CXX ?= g++
 SUPPORT := $(BUILD)/libsupport.a
 BENCH_EXE := $(BENCH_SRC:tests/bench/%.cpp=$(BUILD)/bench/%)
+FUZZ_OBJ := $(call grouped,tests,fuzz,$(FUZZ_SRC))
 FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
 EXE := $(BUILD)/g3dmap
 LIB := $(BUILD)/libg3dmap.a
@@ -251,9 +252,22 @@ fuzz: ## every reader of outside data, FUZZ_RUNS inputs each (clang)
 fuzz-programs: $(FUZZ_EXE)
 fuzz-here: $(FUZZ_EXE)
 	$(ASAN_ENV) tests/fuzz/run $(BUILD)/fuzz $(FUZZ_RUNS)
-$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(LIB)
+# One program with all readers in it, which does what its name says: linking it thirty times took longer than fuzzing.
+FUZZ_ALL := $(BUILD)/fuzz/all
+FUZZ_LIST := $(BUILD)/fuzz/targets.inc
+$(FUZZ_LIST): force
 	@mkdir -p $(@D)
+	@printf 'FUZZ_TARGET(%s)\n' $(notdir $(FUZZ_EXE)) >$@.new
+	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+$(BUILD)/tests/fuzz/by_name.o: $(FUZZ_LIST)
+$(BUILD)/tests/fuzz/by_name.o: private FLAGS += -I$(BUILD)/fuzz
+$(call objects,$(FUZZ_SRC)): private FLAGS += -DLLVMFuzzerTestOneInput=$(basename $(@F))
+$(FUZZ_ALL): $(BUILD)/tests/fuzz/by_name.o $(FUZZ_OBJ) $(LIB)
+	@mkdir -p $(@D)
+	$(SAY) $@
 	$(Q)$(CXX) $(FLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
+$(FUZZ_EXE): $(FUZZ_ALL)
+	@ln -f $< $@
 
 bench: all $(BENCH_EXE) ## benchmarks, in some minutes; options and figures in tests/bench/RESULTS.md
 	scripts/bench
@@ -337,7 +351,7 @@ $(LIGHT_UNIT_OBJ): private FLAGS += $(LIGHT_TEST_OPT) $(call precompiled,$(LIGHT
 $(LIGHT_UNIT_OBJ): $(LIGHT_PCH).gch
 
 $(HOT_OBJ) $(KERNEL_OBJ): private OPT := $(subst -O2,-O3,$(OPT))
-$(READER_OBJ) $(call objects,$(FUZZ_SRC)): private COVERED := $(COVERAGE)
+$(READER_OBJ) $(FUZZ_OBJ): private COVERED := $(COVERAGE)
 # Sources whose options are those of the header.
 $(PLAIN_OBJ) $(MAIN_OBJ): private FLAGS += $(call precompiled,$(COMMON))
 $(PLAIN_OBJ) $(MAIN_OBJ): $(COMMON).gch
@@ -364,7 +378,7 @@ $(BUILD)/%.o: %.cpp
 GROUP_OBJ := $(sort $(filter $(BUILD)/groups/%,$(LIB_OBJ) $(MAIN_OBJ) $(LIGHT_UNIT_OBJ) $(TEST_OBJ) $(FUZZ_OBJ)))
 $(GROUP_OBJ:.o=.cpp): $(BUILD)/groups/%.cpp: force
 	@mkdir -p $(@D)
-	@$(if $(filter tests/%_test.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.new
+	@$(if $(filter tests/%_test.cpp tests/%_fuzz.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.new
 	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 $(GROUP_OBJ): %.o: %.cpp
 	$(SAY) $@
