@@ -64,6 +64,7 @@ BENCH_SRC := $(sort $(wildcard tests/bench/*_bench.cpp))
 Q := $(if $(V),,@)
 SAY := @$(if $(V),true,echo)
 
+comma := ,
 objects = $(1:%.cpp=$(BUILD)/%.o)
 # $(call grouped,KIND,NAME,SOURCES): their objects, or those of groups of two dozen. NAME-N stands for the Nth last source
 # and those after it; what is in a group is in members_NAME-N.
@@ -102,8 +103,17 @@ COMPUTING_TESTS := $(addprefix tests/,net/block_wire_% net/gossip_% net/set_sket
   $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
   $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
     inflation_% navigator_% outputs_% robot_% viewpoints_%))
-LIGHT_UNIT_OBJ := $(call grouped,tests,light,$(filter-out $(COMPUTING_TESTS),$(UNIT_SRC)))
-OTHER_UNIT_OBJ := $(call grouped,tests,unit,$(filter $(COMPUTING_TESTS),$(UNIT_SRC)))
+# A test of something that stands in headers alone is compiled with it, as the library is. Any other test finds what it
+# tests in the library: under the address sanitizer its objects are those of the release build (TESTS_FROM).
+TESTS_FROM ?= $(BUILD)
+HEADER_TESTS := $(foreach t,$(UNIT_SRC),$(if $(wildcard $(t:tests/%_test.cpp=%.cpp)),,$(t)))
+SOURCE_TESTS := $(filter-out $(HEADER_TESTS),$(UNIT_SRC))
+HEADER_LIGHT_OBJ := $(call grouped,tests,light-header,$(filter-out $(COMPUTING_TESTS),$(HEADER_TESTS)))
+HEADER_OTHER_OBJ := $(call grouped,tests,unit-header,$(filter $(COMPUTING_TESTS),$(HEADER_TESTS)))
+SOURCE_LIGHT_OBJ := $(call grouped,tests,light,$(filter-out $(COMPUTING_TESTS),$(SOURCE_TESTS)))
+SOURCE_OTHER_OBJ := $(call grouped,tests,unit,$(filter $(COMPUTING_TESTS),$(SOURCE_TESTS)))
+LIGHT_UNIT_OBJ := $(HEADER_LIGHT_OBJ) $(SOURCE_LIGHT_OBJ)
+OTHER_UNIT_OBJ := $(HEADER_OTHER_OBJ) $(SOURCE_OTHER_OBJ)
 THREAD_OBJ := $(call grouped,tests,thread,$(THREAD_SRC))
 # A malloc of one's own is no part of a group.
 OWN_MALLOC_SRC := $(filter %allocation_test.cpp,$(SYSTEM_SRC))
@@ -114,6 +124,7 @@ SUPPORT_OBJ := $(call grouped,tests,support,$(SUPPORT_SRC))
 RUNNER_OBJ ?= build/runner/main.o
 RUNNER_CXX ?= g++
 SUPPORT := $(BUILD)/libsupport.a
+BORROWED := $(patsubst $(BUILD)/%,$(TESTS_FROM)/%,$(SOURCE_LIGHT_OBJ) $(SOURCE_OTHER_OBJ) $(SUPPORT))
 BENCH_EXE := $(BENCH_SRC:tests/bench/%.cpp=$(BUILD)/bench/%)
 FUZZ_OBJ := $(call grouped,tests,fuzz,$(FUZZ_SRC))
 FUZZ_EXE := $(FUZZ_SRC:tests/fuzz/%.cpp=$(BUILD)/fuzz/%)
@@ -158,8 +169,9 @@ $(BUILD)/mapper/cuda/carried.o: $(PTX) $(HELPER)
 $(BUILD)/mapper/cuda/carried.o: private FLAGS += -DG3D_HELPER_FILE='"$(abspath $(HELPER))"' -DG3D_KERNELS_FILE='"$(abspath $(PTX))"'
 
 # One instrumented build serves address sanitizer, undefined-behaviour sanitizer and fuzzing; it is also the second compiler.
-# To optimise an instrumented test takes clang a second or two, which most tests never win back.
-ASAN := BUILD=build/asan CXX=clang++ STATIC= OPT="-O1 -g1" LIGHT_TEST_OPT="-O0 -g1" \
+# What tests a source file is not instrumented itself, but for ASAN_TESTS=build/asan (the soak does so): it takes minutes.
+ASAN_TESTS ?= build/host
+ASAN := BUILD=build/asan TESTS_FROM=$(ASAN_TESTS) CXX=clang++ STATIC= OPT="-O1 -g1" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer" COVERAGE=-fsanitize=fuzzer-no-link \
   GROUPED="lib tests"
 TSAN := BUILD=build/tsan STATIC= OPT="-O1 -g1" TEST_OPT="-O0 -g1" SANITIZE="-fsanitize=thread" GROUPED="lib tests"
@@ -197,9 +209,11 @@ $(FAKE_CUDA): tests/fake_cuda/libcuda.cpp $(wildcard mapper/cuda/*.hpp mapper/cu
 	$(Q)$(CXX) -std=c++20 $(TARGET) -O2 $(WARN) -I. -ffp-contract=off -fPIC -shared -o $@ $<
 
 $(BUILD)/unit_tests $(BUILD)/thread_tests $(BUILD)/system_tests: | $(FAKE_CUDA)
-$(BUILD)/unit_tests: $(RUNNER_OBJ) $(LIGHT_UNIT_OBJ) $(OTHER_UNIT_OBJ) $(SUPPORT) $(LIB)
+$(filter-out $(BUILD)/%,$(BORROWED)): ;
+# Of an inline function that several have, the linker takes the first: the library's comes before that of borrowed tests.
+$(BUILD)/unit_tests: $(RUNNER_OBJ) $(HEADER_LIGHT_OBJ) $(HEADER_OTHER_OBJ) $(LIB) $(BORROWED)
 	$(SAY) $@
-	$(Q)$(CXX) $(FLAGS) $(TEST_LINK) -o $@ $^ $(TEST_LIBS) $(LIBS)
+	$(Q)$(CXX) $(FLAGS) $(TEST_LINK) -o $@ $(subst $(LIB),-Wl$(comma)--whole-archive $(LIB) -Wl$(comma)--no-whole-archive,$^) $(TEST_LIBS) $(LIBS)
 
 $(BUILD)/thread_tests: $(RUNNER_OBJ) $(THREAD_OBJ) $(SUPPORT) $(LIB)
 	$(SAY) $@
@@ -233,7 +247,10 @@ system-tests: $(BUILD)/system_tests $(EXE) ## tests that run the built program
 	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests $(TEST_ARGS)
 test: unit-tests system-tests ## unit and system tests
 
+.PHONY: tests-to-borrow
+tests-to-borrow: $(SOURCE_LIGHT_OBJ) $(SOURCE_OTHER_OBJ) $(SUPPORT)
 build-asan: $(RUNNER_OBJ)
+	$(if $(filter $(BUILD),$(ASAN_TESTS)),$(MAKE) GROUPED="lib tests" tests-to-borrow)
 	$(MAKE) $(ASAN) build/asan/unit_tests fuzz-programs
 asan: build-asan ## unit tests under address and undefined-behaviour sanitizer
 	$(ASAN_ENV) build/asan/unit_tests $(TEST_ARGS)
@@ -257,8 +274,8 @@ FUZZ_ALL := $(BUILD)/fuzz/all
 FUZZ_LIST := $(BUILD)/fuzz/targets.inc
 $(FUZZ_LIST): force
 	@mkdir -p $(@D)
-	@printf 'FUZZ_TARGET(%s)\n' $(notdir $(FUZZ_EXE)) >$@.new
-	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+	@printf 'FUZZ_TARGET(%s)\n' $(notdir $(FUZZ_EXE)) >$@.$$PPID
+	@if cmp -s $@.$$PPID $@; then rm $@.$$PPID; else mv $@.$$PPID $@; fi
 $(BUILD)/tests/fuzz/by_name.o: $(FUZZ_LIST)
 $(BUILD)/tests/fuzz/by_name.o: private FLAGS += -I$(BUILD)/fuzz
 $(call objects,$(FUZZ_SRC)): private FLAGS += -DLLVMFuzzerTestOneInput=$(basename $(@F))
@@ -374,12 +391,12 @@ $(BUILD)/%.o: %.cpp
 	$(SAY) $@
 	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
 
-# Written anew only if something else belongs in it.
+# Written anew only if something else belongs in it, and whole, as two makes may be at work in one folder.
 GROUP_OBJ := $(sort $(filter $(BUILD)/groups/%,$(LIB_OBJ) $(MAIN_OBJ) $(LIGHT_UNIT_OBJ) $(TEST_OBJ) $(FUZZ_OBJ)))
 $(GROUP_OBJ:.o=.cpp): $(BUILD)/groups/%.cpp: force
 	@mkdir -p $(@D)
-	@$(if $(filter tests/%_test.cpp tests/%_fuzz.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.new
-	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+	@$(if $(filter tests/%_test.cpp tests/%_fuzz.cpp,$(members_$*)),scripts/group-tests,printf '#include "%s"\n') $(members_$*) >$@.$$PPID
+	@if cmp -s $@.$$PPID $@; then rm $@.$$PPID; else mv $@.$$PPID $@; fi
 $(GROUP_OBJ): %.o: %.cpp
 	$(SAY) $@
 	$(Q)$(CCACHE) $(CXX) $(FLAGS) $(DEPFLAGS) -c -o $@ $<
