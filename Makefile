@@ -28,6 +28,8 @@ FLAGS = -std=c++20 $(TARGET) $(OPT) $(WARN) -I. -pthread -ffp-contract=off -fno-
 # Members of a group are no headers, though they are included; and g++ 12 sees more that is none (bug 105651). What one
 # has in its file is no business of another's names: `make` compiles file by file and looks at that.
 WARN += $(if $(GROUPED),-Wno-shadow $(if $(findstring clang,$(CXX)),,-Wno-subobject-linkage -Wno-array-bounds))
+# g++ tidies up its memory again and again as it grows. The compiler of a group may have a gigabyte before it does.
+FLAGS += $(if $(GROUPED),$(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=1000000))
 DEPFLAGS = -MMD -MP -MF $(@:.o=.d)
 # Debian has no static archive of these; scripts/setup builds them. A build without libmosquitto has no way to a broker,
 # one without OpenNI2 and libusb knows no Kinect; both say so. A toolchain for another machine says in STATIC_LIBS_ENV
