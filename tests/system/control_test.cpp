@@ -59,7 +59,7 @@ double way_between(const std::string& path, double from_s, double to_s) {
 
 }  // namespace
 
-TEST_CASE("a robot in real time is paused, asked, resumed and sent home", "[system][control]") {
+TEST_CASE("a robot in real time is paused, asked, resumed and sent home", "[system][control][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out";
   Program program(g3dmap_path(), live(folder, out));
@@ -94,7 +94,7 @@ TEST_CASE("a robot in real time is paused, asked, resumed and sent home", "[syst
   CHECK(contains(late.err, "is a robot running there?"));
 }
 
-TEST_CASE("strangers' bytes are refused and counted, and the robot drives on", "[system][control]") {
+TEST_CASE("strangers' bytes are refused and counted, and the robot drives on", "[system][control][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out";
   Program program(g3dmap_path(), live(folder, out));
@@ -112,7 +112,7 @@ TEST_CASE("strangers' bytes are refused and counted, and the robot drives on", "
   CHECK(report_number(out + "/report.json", "too_long") == 1);
 }
 
-TEST_CASE("two robots do not share a folder, and one that was killed leaves no lock", "[system][control]") {
+TEST_CASE("two robots do not share a folder, and one that was killed leaves no lock", "[system][control][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out";
   {
@@ -134,7 +134,7 @@ TEST_CASE("two robots do not share a folder, and one that was killed leaves no l
   CHECK(run_g3dmap(again).exit_code == 0);
 }
 
-TEST_CASE("a simulation at a rate is spoken to as well", "[system][control]") {
+TEST_CASE("a simulation at a rate is spoken to as well", "[system][control][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out";
   Program program(g3dmap_path(), {"sim", "--world", "two_rooms", "--robots", "1", "--rate", "2", "--camera", "80x60@5",

@@ -86,7 +86,7 @@ std::string id_of(int number) { return "\"id\": \"00000000000000a" + std::to_str
 }  // namespace
 
 TEST_CASE("robots and a base station in processes of their own end with one map, and a stranger is shut out",
-          "[system][fleet]") {
+          "[system][fleet][waits]") {
   const FleetProcesses fleet;
   Program station(g3dmap_path(), fleet.station());
   Program one(g3dmap_path(), fleet.robot(1, "100"));
@@ -140,7 +140,8 @@ TEST_CASE("robots and a base station in processes of their own end with one map,
   CHECK_FALSE(contains(read_plain(fleet.report(3)), "00000000000000a0"));
 }
 
-TEST_CASE("a robot that is killed leaves its map with the base station, which saves it meanwhile", "[system][fleet]") {
+TEST_CASE("a robot that is killed leaves its map with the base station, which saves it meanwhile",
+          "[system][fleet][waits]") {
   const FleetProcesses fleet;
   std::vector<std::string> arguments = fleet.station();
   arguments.insert(arguments.end(), {"--checkpoint", "0.5"});
@@ -166,7 +167,7 @@ TEST_CASE("a robot that is killed leaves its map with the base station, which sa
   CHECK(contains(read_plain(fleet.report(0)), "times meanwhile"));
 }
 
-TEST_CASE("a robot that is alone says so, and a key that is no key is told", "[system][fleet]") {
+TEST_CASE("a robot that is alone says so, and a key that is no key is told", "[system][fleet][waits]") {
   const FleetProcesses fleet;
   std::vector<std::string> alone{
       "run",   "--board",   fleet.folder / "robot.toml", "--world", "two_rooms", "--camera", "80x60@5", "--quiet",

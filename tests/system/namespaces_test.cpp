@@ -86,7 +86,7 @@ class NetworkedFleet {
 }  // namespace
 
 TEST_CASE("three robots in networks of their own find each other and converge, though a radio goes down for a while",
-          "[system][netns]") {
+          "[system][netns][waits]") {
   (void)test::in_own_network([] {
     const test::AccessPoint place(3);
     if (!place.build()) return;

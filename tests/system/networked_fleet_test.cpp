@@ -60,7 +60,7 @@ struct NetworkedPrograms {
 }  // namespace
 
 TEST_CASE("robots and a base station on machines of their own end with one map, though a radio goes down meanwhile",
-          "[system][fleet][netns]") {
+          "[system][fleet][netns][waits]") {
   (void)in_own_network([] {
     const AccessPoint place(3);
     if (!place.build()) return;

@@ -81,7 +81,7 @@ TEST_CASE("the same recording gives the same map for any number of threads", "[s
   }
 }
 
-TEST_CASE("real time keeps the recording's pace", "[system][replay]") {
+TEST_CASE("real time keeps the recording's pace", "[system][replay][waits]") {
   const Replay run([](Replay&) {}, {"--rate", "2"});
   REQUIRE(run.result.exit_code == 0);
   CHECK(run.reported("delivered") == 12);

@@ -49,7 +49,8 @@ std::vector<std::string> in_simulation(const TempFolder& folder, const std::vect
 
 }  // namespace
 
-TEST_CASE("a robot explores in real time until Ctrl-C; then it stands, and everything is saved", "[system][run]") {
+TEST_CASE("a robot explores in real time until Ctrl-C; then it stands, and everything is saved",
+          "[system][run][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out", log = folder / "log";
   Program program(g3dmap_path(), in_simulation(folder, {"--record", log, "--out", out}));
@@ -81,7 +82,7 @@ TEST_CASE("a robot explores in real time until Ctrl-C; then it stands, and every
   CHECK(odometry_of(log + "/kobuki.bin").rejects.accepted_frames == report_number(report, "packets"));
 }
 
-TEST_CASE("a robot stops when its time is over, and writes nothing where it was not asked to", "[system][run]") {
+TEST_CASE("a robot stops when its time is over, and writes nothing where it was not asked to", "[system][run][waits]") {
   const TempFolder folder;
   const ProgramResult result = run_g3dmap(in_simulation(folder, {"--duration", "1", "--json"}));
   INFO(result.err);
@@ -91,7 +92,7 @@ TEST_CASE("a robot stops when its time is over, and writes nothing where it was 
   CHECK(folder.listing() == "small.toml\n");
 }
 
-TEST_CASE("a base at a real line stands without a camera, and its bytes are recorded", "[system][run]") {
+TEST_CASE("a base at a real line stands without a camera, and its bytes are recorded", "[system][run][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out", log = folder / "log";
   hal::RealClock clock;
@@ -156,7 +157,7 @@ TEST_CASE("what is wrong with a board or an option is said before anything moves
   expect("", {"--world", "two_rooms", "--out", "/proc/g3dmap_out"}, 1, "/proc/g3dmap_out");
 }
 
-TEST_CASE("a robot in real time looks for places that it sees again, and says so", "[system][run]") {
+TEST_CASE("a robot in real time looks for places that it sees again, and says so", "[system][run][waits]") {
   const TempFolder folder;
   const std::string out = folder / "out";
   const ProgramResult result = run_g3dmap(
