@@ -97,7 +97,8 @@ READER_OBJ := $(call grouped,lib,reader,$(READER_SRC))
 HOT_OBJ := $(call grouped,lib,hot,$(HOT_SRC))
 PLAIN_OBJ := $(call grouped,lib,plain,$(filter-out $(HOT_SRC) $(READER_SRC) $(OWN_SRC),$(LIB_SRC)))
 KERNEL_OBJ := $(foreach v,$(KERNEL_VARIANTS),$(KERNEL_SRC:%.cpp=$(BUILD)/%.$(v).o))
-MAIN_OBJ := $(call objects,main.cpp) $(call grouped,lib,main,$(filter-out main.cpp,$(MAIN_SRC)))
+MAIN_ALONE := main.cpp
+MAIN_OBJ := $(call objects,$(MAIN_ALONE)) $(call grouped,lib,main,$(filter-out $(MAIN_ALONE),$(MAIN_SRC)))
 LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KERNEL_OBJ)
 
 # Tests that compute much themselves, or have to answer in time. All others are light.

@@ -28,7 +28,7 @@
 namespace g3d {
 namespace {
 
-constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
+constexpr hal::TimeNs kExploringSecond_ns = 1'000'000'000;
 
 /// The clock of one run: base packets and camera frames, each in its turn, until the robot is home.
 class Exploration {
@@ -106,7 +106,7 @@ class Exploration {
     place_error_.note(building_.T_world_base(0), robot_.T_world_base());
     fraction_ = coverage_.fraction(robot_.navigator().ground().states());
     robot_.navigator().report().note_coverage(fraction_, now_ns_);
-    next_sample_ns_ = now_ns_ + kSecond_ns;
+    next_sample_ns_ = now_ns_ + kExploringSecond_ns;
   }
 
   void show(hal::TimeNs start_ns) const {

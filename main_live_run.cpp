@@ -21,7 +21,7 @@
 namespace g3d {
 namespace {
 
-constexpr hal::TimeNs kLook_ns = 50'000'000;       // how often the main thread looks after the others
+constexpr hal::TimeNs kLiveLook_ns = 50'000'000;   // how often the main thread looks after the others
 constexpr hal::TimeNs kProgress_ns = 500'000'000;  // between two lines for people
 constexpr int kRenderThreads = 1;
 constexpr int kMostStarts = 16;
@@ -200,7 +200,7 @@ void LiveRun::run(bool show_progress) {
   robot_->start();
   nav::LiveStatus status;
   while (!is_stop_requested() && clock_.now() < end_ns && !robot_->camera_has_ended()) {
-    clock_.sleep_until(std::min(end_ns, clock_.now() + kLook_ns));
+    clock_.sleep_until(std::min(end_ns, clock_.now() + kLiveLook_ns));
     buses_->tick_main();
     take_poses();
     say_words(clock_.now() - start_ns);
