@@ -244,13 +244,17 @@ build-emulated: $(BUILD)/emulated_tests $(EXE) $(IMAGE)/disk.img
 emulated: build-emulated ## the robot in an emulated machine: boot, drive, unplug, watchdog, power cuts, updates
 	G3DMAP_EXE=$(abspath $(EXE)) G3DMAP_IMAGE=$(abspath $(IMAGE)) $(BUILD)/emulated_tests $(TEST_ARGS)
 
-build-test: $(EXE) $(BUILD)/unit_tests $(BUILD)/system_tests
+.PHONY: build-program build-fuzz
+build-program: $(EXE) $(BUILD)/system_tests
+build-test: build-program $(BUILD)/unit_tests
 unit-tests: $(BUILD)/unit_tests ## unit tests alone
 	$(EMULATOR) $(BUILD)/unit_tests $(TEST_ARGS)
 system-tests: $(BUILD)/system_tests $(EXE) ## tests that run the built program
 	G3DMAP_EXE=$(abspath $(EXE)) $(BUILD)/system_tests $(TEST_ARGS)
 test: unit-tests system-tests ## unit and system tests
 
+build-fuzz:
+	$(MAKE) $(ASAN) fuzz-programs
 .PHONY: tests-to-borrow
 tests-to-borrow: $(SOURCE_LIGHT_OBJ) $(SOURCE_OTHER_OBJ) $(SUPPORT)
 build-asan: $(RUNNER_OBJ)
