@@ -103,7 +103,7 @@ LIB_OBJ := $(PLAIN_OBJ) $(HOT_OBJ) $(READER_OBJ) $(call objects,$(OWN_SRC)) $(KE
 
 # Tests that compute much themselves, or have to answer in time. All others are light.
 COMPUTING_TESTS := $(addprefix tests/,net/block_wire_% net/gossip_% net/set_sketch_% hal/kinect/% hal/kobuki/% hal/linux/% hal/sim/% mapper/cpu/% mapper/cuda/% mapper/files/% \
-  $(addprefix mapper/,column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
+  $(addprefix mapper/,align/normal_equations_% column_bits_% mapper_% merge_% pipeline_% ray_walk_% rgbo_% rolling_window_% windowed_blocks_%) \
   $(addprefix nav/,astar_% distance_field_% explorer_% floor_steps_% follower_% frontier_% goal_pursuit_% ground_map_% \
     inflation_% navigator_% outputs_% robot_% viewpoints_%))
 # A test of something that stands in headers alone is compiled with it, as the library is. Any other test finds what it
@@ -231,8 +231,10 @@ $(BUILD)/system_tests: $(RUNNER_OBJ) $(SYSTEM_OBJ) $(SUPPORT) $(LIB)
 TX2_EXE := build/tx2/g3dmap
 IMAGE := build/emulated/image
 .PHONY: image emulated build-emulated
+ifneq ($(TX2_EXE),$(EXE))
 $(TX2_EXE): force
 	$(MAKE) TOOLCHAIN=toolchain/tx2.mk GROUPED="$(GROUPED)" $@
+endif
 image: $(TX2_EXE) ## a bootable disk image for the emulated machine; scripts/image --help for a real one
 	scripts/image $(IMAGE_ARGS)
 $(IMAGE)/disk.img: $(TX2_EXE) scripts/image tests/emulated/init.toml board/emulated.toml

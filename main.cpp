@@ -114,16 +114,14 @@ void add_live_options(CLI::App& command, LiveOptions& live) {
       ->check(CLI::Range(1.0, 100.0));
   command.add_option("--record", live.record, "New folder for frames, poses and what the base says, for replay");
   command.add_option("--record-oni", live.oni_path, "Record what the Kinect sees into this .oni file");
-    command.add_flag("--await-base", live.await_base,
-    command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")
-        ->check(CLI::Range(0.002, 1.0));
-    command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
-    command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")
-        ->check(CLI::Range(16, 1 << 20));
-    command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
-    command.add_flag("--no-noise", live.no_noise, "A perfect simulated sensor");
-    command.add_flag("--quiet", options.quiet, "No progress and no summary");
-    command.add_flag("--json", options.json, "Print report.json instead of the summary");
+  command.add_flag("--await-base", live.await_base, "Start without the base as well, and wait until it is plugged in");
+  command.add_option("--resolution", options.resolution_m, "Edge of a voxel in metres")->check(CLI::Range(0.002, 1.0));
+  command.add_option("--threads", options.threads, "Threads of the mapper")->check(CLI::Range(1, 64));
+  command.add_option("--memory", options.memory_mb, "Limit of the map's memory in MB")->check(CLI::Range(16, 1 << 20));
+  command.add_flag("--no-colour", options.no_colour, "Keep occupancy only");
+  command.add_flag("--no-noise", live.no_noise, "A perfect simulated sensor");
+  command.add_flag("--quiet", options.quiet, "No progress and no summary");
+  command.add_flag("--json", options.json, "Print report.json instead of the summary");
 }
 
 void add_mapping_options(CLI::App& command, MappingOptions& options) {

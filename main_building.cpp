@@ -31,7 +31,7 @@
 namespace g3d {
 namespace {
 
-constexpr hal::TimeNs kLook_ns = 50'000'000;
+constexpr hal::TimeNs kBuildingLook_ns = 50'000'000;
 constexpr std::string_view kListen = "listen:";
 constexpr std::string_view kTerminal = "pty:";
 
@@ -224,7 +224,7 @@ void Served::run(double duration_s) {
   const hal::TimeNs end_ns =
       duration_s > 0.0 ? building_->begin_ns() + static_cast<hal::TimeNs>(duration_s * 1e9) : INT64_MAX;
   while (!building_stop.load() && clock_->now() < end_ns) {
-    clock_->sleep_until(std::min(end_ns, clock_->now() + kLook_ns * 100 / clock_->slow_percent()));
+    clock_->sleep_until(std::min(end_ns, clock_->now() + kBuildingLook_ns * 100 / clock_->slow_percent()));
   }
   control_.reset();
 }

@@ -24,7 +24,7 @@
 namespace g3d {
 namespace {
 
-constexpr hal::TimeNs kLook_ns = 2 * hal::kMillisecond_ns;  // as the base's thread does
+constexpr hal::TimeNs kBusLook_ns = 2 * hal::kMillisecond_ns;  // as the base's thread does
 
 std::atomic<bool> is_over{false};
 
@@ -94,7 +94,7 @@ int replay_logs(const board::Board& board, const std::string& folder) {
     end_ns = std::max(end_ns, edges.records.back().t_ns);
   }
   if (watched.empty()) return fail(folder + ": nothing was recorded there that the board's stop devices know");
-  for (hal::TimeNs t_ns = begin_ns; t_ns <= end_ns + kLook_ns; t_ns += kLook_ns) {
+  for (hal::TimeNs t_ns = begin_ns; t_ns <= end_ns + kBusLook_ns; t_ns += kBusLook_ns) {
     clock.advance_to(t_ns);
     for (Watched& one : watched) one.look(t_ns, begin_ns);
   }
@@ -124,7 +124,7 @@ int watch_devices(const board::Board& board, const BusesOptions& options) {
   while (!is_over.load() && clock.now() < end_ns) {
     for (Watched& one : watched) one.look(clock.now(), begin_ns);
     config.base.safety_devices.back()->show({}, clock.now());
-    clock.sleep_until(clock.now() + kLook_ns);
+    clock.sleep_until(clock.now() + kBusLook_ns);
   }
   for (hal::SafetyDevice* device : config.base.safety_devices) device->say_farewell(clock.now());
   buses.stop();

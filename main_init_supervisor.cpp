@@ -21,11 +21,11 @@ namespace {
 
 using hal::boot::RobotHealth;
 
-constexpr hal::TimeNs kSecond_ns = 1'000'000'000;
-constexpr hal::TimeNs kLook_ns = 100'000'000;  // at the latest; a watchdog is fed so often
-constexpr hal::TimeNs kSaveTime_ns = 60 * kSecond_ns;
-constexpr hal::TimeNs kReceiverWait_ns = 5 * kSecond_ns;
-constexpr hal::TimeNs kRobotEnd_ns = 30 * kSecond_ns;  // it saves its map
+constexpr hal::TimeNs kSupervisorSecond_ns = 1'000'000'000;
+constexpr hal::TimeNs kSupervisorLook_ns = 100'000'000;  // at the latest; a watchdog is fed so often
+constexpr hal::TimeNs kSaveTime_ns = 60 * kSupervisorSecond_ns;
+constexpr hal::TimeNs kReceiverWait_ns = 5 * kSupervisorSecond_ns;
+constexpr hal::TimeNs kRobotEnd_ns = 30 * kSupervisorSecond_ns;  // it saves its map
 constexpr const char* kNotifyPath = "/run/notify";
 constexpr const char* kUpdateKey = "/system/update.pub";
 constexpr const char* kUpdatePort = "7178";
@@ -35,7 +35,7 @@ constexpr std::array<int, 4> kSignals = {SIGCHLD, SIGTERM, SIGINT, SIGUSR2};
 RobotHealth::Limits limits_of(const hal::boot::InitConfig& config) {
   RobotHealth::Limits limits;
   limits.silent_ns = config.silent_ms * 1'000'000LL;
-  limits.start_ns = config.start_s * kSecond_ns;
+  limits.start_ns = config.start_s * kSupervisorSecond_ns;
   return limits;
 }
 
@@ -45,7 +45,7 @@ Supervisor::Supervisor(Machine& machine, const hal::Clock& clock)
     : machine_(machine),
       clock_(clock),
       health_(limits_of(machine.config)),
-      trial_(machine.config.prove_s * kSecond_ns),
+      trial_(machine.config.prove_s * kSupervisorSecond_ns),
       restarts_(machine.config.when_done) {
   sigset_t signals;
   ::sigemptyset(&signals);
@@ -148,13 +148,13 @@ void Supervisor::start_network() {
     card = cards.empty() ? "" : cards.front();
   }
   if (card.empty() || hal::boot::index_of(card) == 0) {
-    look_for_card_ns_ = clock_.now() + kSecond_ns;  // one at USB may come late
+    look_for_card_ns_ = clock_.now() + kSupervisorSecond_ns;  // one at USB may come late
     return;
   }
   auto keeper = hal::boot::NetworkKeeper::start({config.name, card, config.address, config.gateway}, clock_.now());
   if (!keeper) {
     machine_.speaker.say(keeper.error().text);
-    look_for_card_ns_ = clock_.now() + kSecond_ns;
+    look_for_card_ns_ = clock_.now() + kSupervisorSecond_ns;
     return;
   }
   network_ = std::move(keeper).value();
@@ -175,7 +175,7 @@ void Supervisor::wait_for_something() {
   if (network_) {
     for (const int fd : network_->fds()) add(fd);
   }
-  (void)::poll(polled.data(), polled.size(), static_cast<int>(kLook_ns / hal::kMillisecond_ns));
+  (void)::poll(polled.data(), polled.size(), static_cast<int>(kSupervisorLook_ns / hal::kMillisecond_ns));
 }
 
 void Supervisor::on_signals() {
@@ -217,15 +217,17 @@ void Supervisor::on_robot_end(const hal::boot::ProcessEnd& end) {
   health_.on_end();
   const hal::TimeNs now_ns = clock_.now();
   (void)trial_.note(now_ns, false);
-  std::string text = fmt::format("the robot has ended after {:.1f} s: {}",
-                                 static_cast<double>(now_ns - robot_started_ns_) / static_cast<double>(kSecond_ns),
-                                 hal::boot::to_text(end));
+  std::string text =
+      fmt::format("the robot has ended after {:.1f} s: {}",
+                  static_cast<double>(now_ns - robot_started_ns_) / static_cast<double>(kSupervisorSecond_ns),
+                  hal::boot::to_text(end));
   if (end_) return machine_.speaker.say(text);
   const auto next = restarts_.on_end(end, now_ns - robot_started_ns_, machine_.is_on_trial);
   switch (next.step) {
     case hal::boot::NextStep::start_again:
       start_again_ns_ = now_ns + next.wait_ns;
-      text += fmt::format("; again in {:.1f} s", static_cast<double>(next.wait_ns) / static_cast<double>(kSecond_ns));
+      text += fmt::format("; again in {:.1f} s",
+                          static_cast<double>(next.wait_ns) / static_cast<double>(kSupervisorSecond_ns));
       break;
     case hal::boot::NextStep::stay:
       text += "; its work is done";
