@@ -88,8 +88,8 @@ std::uint32_t Reconciler::next_wanted() const {
   const std::int64_t ours = store_.record_count(open_->layer), theirs = answer_.sketch.header.items;
   const auto least_differences = static_cast<std::uint64_t>(std::abs(theirs - ours));
   const std::uint32_t wanted = open_->wanted_symbols;
-  const std::uint32_t step = std::max(least_differences > 0 ? 1U : 2U, wanted / 24);
-  const std::uint64_t least_symbols = least_differences + least_differences * 3 / 10;
+  const std::uint32_t step = std::max(least_differences > 0 ? 1U : 2U, wanted / 48);
+  const std::uint64_t least_symbols = least_differences + (least_differences < 64 ? 0 : least_differences * 3 / 10);
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(std::max<std::uint64_t>(wanted + step, least_symbols), decoder_.most_symbols()));
 }

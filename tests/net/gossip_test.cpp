@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <utility>
@@ -206,6 +207,7 @@ TEST_CASE("a million records of which some differ after a restart: symbols withi
   fleet.kill(1);
   publish(0, kRecords);
   int next = kRecords;
+  std::array<double, 2> few{}, many{};  // symbols, and differences that they found
   for (const int differing : {1, 8, 63, 300, 1000, 4000}) {
     fleet.start(1);
     const net::LayerIndex theirs = fleet.store(0).find({1, 1});
@@ -233,11 +235,15 @@ TEST_CASE("a million records of which some differ after a restart: symbols withi
         differences, kRecords, symbols, symbols / differences, fleet.sent_bytes() - sent_before,
         static_cast<double>(fleet.now_ns() - begun_ns) * 1e-9, took.count());
     CHECK(differences == differing);
-    if (differing > 256) CHECK(symbols <= 1.45 * differences);
+    auto& [all_symbols, all_differences] = differing > 256 ? many : few;
+    all_symbols += symbols;
+    all_differences += differences;
     // Until it is gone: whoever was told of a layer lately is sent its news without asking.
     fleet.kill(1);
     fleet.run(6 * kSecond_ns);
   }
+  CHECK(few[0] <= 1.8 * few[1]);
+  CHECK(many[0] <= 1.45 * many[1]);
 }
 
 TEST_CASE("data waits while its link has no room, and is neither sent nor taken for lost", "[net][gossip]") {

@@ -17,8 +17,9 @@ const net::LayerId kDeadWriter{9, 1};
 
 /// Two robots with a layer each, and a line between them that may lose messages.
 struct TwoHolders {
-  explicit TwoHolders(net::ReconcilerOptions options = {}, double loss = 0.0) : loss_share(loss) {
-    options.seed = 7;
+  explicit TwoHolders(net::ReconcilerOptions options = {}, double loss = 0.0, std::uint64_t seed = 7)
+      : loss_share(loss) {
+    options.seed = seed;
     here = std::make_unique<net::Reconciler>(
         options, here_store, [this](net::RobotId, const net::WireWriter& message) { send(kThere, message); });
     there = std::make_unique<net::Reconciler>(
@@ -92,6 +93,26 @@ TEST_CASE("two holders of a layer learn what each lacks, at the cost of what dif
   CHECK(two.here_store.upto(two.layer_here) == net::LaneVersions{kAll, kAll, kAll});
   CHECK_FALSE(two.here_store.is_unclaimed(two.layer_here));
   CHECK(two.sent_bytes < 1500 + 250 * missing);
+}
+
+TEST_CASE("few differences cost 1.8 symbols each at most, on average", "[net][reconcile]") {
+  const net::Version missing = GENERATE(1U, 2U, 3U, 5U, 8U, 16U, 32U, 63U);
+  constexpr net::Version kAll = 1000;
+  constexpr int kExchanges = 60;
+  double symbols = 0;
+  for (int i = 0; i < kExchanges; ++i) {
+    TwoHolders two({}, 0.0, 100 * missing + static_cast<std::uint64_t>(i));
+    for (net::Version v = 1; v <= kAll; ++v) {
+      two.put(two.there_store, two.layer_there, v);
+      if (v > missing) two.put(two.here_store, two.layer_here, v);
+    }
+    two.here->begin(kThere, two.layer_here, two.now_ns);
+    two.run();
+    REQUIRE(two.here->counts().differences == missing);
+    symbols += static_cast<double>(two.here->counts().asked_symbols);
+  }
+  CAPTURE(missing, symbols / kExchanges);
+  CHECK(symbols <= 1.8 * static_cast<double>(missing) * kExchanges);
 }
 
 TEST_CASE("lost messages are asked for again", "[net][reconcile]") {
