@@ -60,6 +60,7 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (has_fleet(board) && options.mapping.loops) {
     return "--loops corrects the map of a robot that is alone so far; leave it out, or --key";
   }
+  if (options.record.starts_with('-')) return "--record needs the name of a new folder after it";
   if (!options.record.empty() && options.record == options.mapping.out_dir) {
     return "--record and --out need a folder each: both have a trajectory.tum";
   }

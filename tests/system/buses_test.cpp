@@ -64,14 +64,14 @@ TEST_CASE("a robot whose stop node is not there stands, and says why", "[system]
   write_plain(folder / "board.toml", kWiredBoard);
   const ProgramResult run =
       run_g3dmap({"run", "--board", folder / "board.toml", "--world", "house", "--camera", "80x60@10", "--resolution",
-                  "0.1", "--duration", "4", "--record", "--quiet", "--out", folder / "out"});
+                  "0.1", "--duration", "4", "--record", folder / "log", "--quiet", "--out", folder / "out"});
   CHECK(run.exit_code == 0);
   CHECK(run.err.find("the robot stands until the CAN bus is there") != std::string::npos);
   const std::string report = folder / "out/report.json";
   CHECK(report_text(report, "interface") == "nocan7");
   CHECK(report_number(report, "failed_openings") >= 1);
   CHECK(report_number(report, "path_m") == 0.0);
-  CHECK(std::filesystem::exists(folder / "out/can.log"));
+  CHECK(std::filesystem::exists(folder / "log/can.log"));
 }
 
 TEST_CASE("a plan of threads that is none is refused", "[system][threads_plan]") {
