@@ -77,7 +77,7 @@ struct ServedBuilding {
 }  // namespace
 
 TEST_CASE("a robot in a building of another program drives, stands at its end, and the truth is told",
-          "[system][building]") {
+          "[system][building][waits]") {
   ServedBuilding served({});
   Program robot(g3dmap_path(), served.robot(0, {}));
   CHECK(happens([&] { return served.driven_m(0) > 0.3; }));
@@ -108,7 +108,7 @@ TEST_CASE("a robot in a building of another program drives, stands at its end, a
   CHECK_FALSE(std::filesystem::exists(served.at() + "/robot1.frames"));
 }
 
-TEST_CASE("a robot that is killed is followed by another one in the same building", "[system][building]") {
+TEST_CASE("a robot that is killed is followed by another one in the same building", "[system][building][waits]") {
   ServedBuilding served({});
   {
     Program robot(g3dmap_path(), served.robot(0, {}));
@@ -128,7 +128,7 @@ TEST_CASE("a robot that is killed is followed by another one in the same buildin
   CHECK(number_of(served.truth(), "connections", 1) >= 2.0);
 }
 
-TEST_CASE("in a slow building a robot with a clock as slow lives as in a quick one", "[system][building]") {
+TEST_CASE("in a slow building a robot with a clock as slow lives as in a quick one", "[system][building][waits]") {
   ServedBuilding served({"--slow", "2"});
   Program robot(g3dmap_path(), served.robot(0, {"--slow", "2"}));
   CHECK(happens([&] { return served.driven_m(0) > 0.2; }));
@@ -142,7 +142,7 @@ TEST_CASE("in a slow building a robot with a clock as slow lives as in a quick o
 }
 
 TEST_CASE("two robots in one building are two programs that share a map by UDP, and both can be replayed",
-          "[system][building][fleet]") {
+          "[system][building][fleet][waits]") {
   // They look at each other.
   ServedBuilding served({"--start=-2.4,-0.4,0", "--start=-1.2,-0.4,180", "--robots", "2"});
   REQUIRE(run_g3dmap({"key", "--out", served.folder / "fleet.key"}).exit_code == 0);
@@ -190,7 +190,7 @@ TEST_CASE("two robots in one building are two programs that share a map by UDP, 
   }
 }
 
-TEST_CASE("what is wrong with a building is said before it begins", "[system][building]") {
+TEST_CASE("what is wrong with a building is said before it begins", "[system][building][waits]") {
   const TempFolder folder;
   const auto expect = [&](const std::vector<std::string>& more, int exit_code, const std::string& says) {
     std::vector<std::string> all{"building", "--quiet", "--duration", "0.1", "--world", "two_rooms"};

@@ -93,7 +93,8 @@ TEST_CASE("damaged .oni files never end the program, whatever is wrong with them
   }
 }
 
-TEST_CASE("a robot in a simulated building sees by the virtual Kinect, through all of OpenNI2", "[system][run]") {
+TEST_CASE("a robot in a simulated building sees by the virtual Kinect, through all of OpenNI2",
+          "[system][run][waits]") {
   if (!has_openni()) return;
   const TempFolder folder;
   write_plain(folder / "k.toml",

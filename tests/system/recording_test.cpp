@@ -43,7 +43,7 @@ std::size_t lines_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a recorded run is replayed to the same map, however its poses came about", "[system][record]") {
+TEST_CASE("a recorded run is replayed to the same map, however its poses came about", "[system][record][waits]") {
   const std::vector<std::vector<std::string>> ways{
       {}, {"--drift", "1", "--odometry", "aligned"}, {"--no-colour", "--resolution", "0.05"}};
   for (const std::vector<std::string>& way : ways) {
@@ -71,7 +71,7 @@ TEST_CASE("a recorded run is replayed to the same map, however its poses came ab
   }
 }
 
-TEST_CASE("a map that cannot be the run's own is said to be another one, and why", "[system][record]") {
+TEST_CASE("a map that cannot be the run's own is said to be another one, and why", "[system][record][waits]") {
   const TempFolder folder;
   REQUIRE(run_g3dmap(recorded_run(folder, {"--duration", "3"})).exit_code == 0);
   const std::string report = folder / "out/report.json", again = folder / "again/report.json";
@@ -91,7 +91,7 @@ TEST_CASE("a map that cannot be the run's own is said to be another one, and why
   CHECK(contains(second.err, "there is a recording already"));
 }
 
-TEST_CASE("a run that corrects its whole map says that the recording does not repeat it", "[system][record]") {
+TEST_CASE("a run that corrects its whole map says that the recording does not repeat it", "[system][record][waits]") {
   const TempFolder folder;
   const ProgramResult run = run_g3dmap(recorded_run(folder, {"--odometry", "aligned", "--loops", "--duration", "2"}));
   INFO(run.err);
@@ -100,7 +100,7 @@ TEST_CASE("a run that corrects its whole map says that the recording does not re
   CHECK(contains(read_plain(folder / "log/mapped.txt"), "cannot the whole map was corrected"));
 }
 
-TEST_CASE("a run that is killed while it records leaves a recording that can be mapped", "[system][record]") {
+TEST_CASE("a run that is killed while it records leaves a recording that can be mapped", "[system][record][waits]") {
   const TempFolder folder;
   Program run(g3dmap_path(), recorded_run(folder, {}));
   const std::string list = folder / "log/depth.txt", way = folder / "log/trajectory.tum";
@@ -120,7 +120,7 @@ TEST_CASE("a run that is killed while it records leaves a recording that can be 
   CHECK(contains(read_plain(again), "did not come to its end"));
 }
 
-TEST_CASE("a disk that is full costs the recording and not the drive, and that is said", "[system][record]") {
+TEST_CASE("a disk that is full costs the recording and not the drive, and that is said", "[system][record][waits]") {
   const TempFolder folder;
   const ProgramResult run =
       run_g3dmap(recorded_run(folder, {"--duration", "5", "--fail", "disk:intermittent@1+3", "--patience", "30"}));

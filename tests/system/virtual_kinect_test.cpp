@@ -67,7 +67,7 @@ void watch_frames(double seconds) {
 
 }  // namespace
 
-TEST_CASE("the virtual Kinect gives 30.0 Hz for a minute, and not one frame is lost", "[system][kinect][slow]") {
+TEST_CASE("the virtual Kinect gives 30.0 Hz for a minute, and not one frame is lost", "[system][kinect][slow][waits]") {
   watch_frames(60.0);
 }
 
