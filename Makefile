@@ -180,7 +180,7 @@ ASAN := BUILD=build/asan TESTS_FROM=$(ASAN_TESTS) CXX=clang++ STATIC= OPT="-O1 -
 # What g++ has to say it has said of the release build.
 TSAN := BUILD=build/tsan STATIC= WARN=-w OPT="-O1 -g1" TEST_OPT="-O0 -g1" SANITIZE="-fsanitize=thread" GROUPED="lib tests"
 ASAN_ENV := ASAN_OPTIONS=halt_on_error=1:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+TSAN_ENV := TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$(abspath tests/support/tsan_suppressions.txt)
 FUZZ_RUNS ?= 5000
 TEST_ARGS ?=
 BENCH_ARGS ?=

@@ -35,7 +35,7 @@ TEST_CASE("no key stands twice and tables stand together") {
       table = field.table;
     }
   }
-  CHECK(names.size() == 47);
+  CHECK(names.size() == 67);
 }
 
 TEST_CASE("what is allowed is said with its unit") {
