@@ -18,6 +18,7 @@
 #include <ctime>
 
 #include "hal/boot/kernel_modules.hpp"
+#include "hal/boot/machine_id.hpp"
 #include "hal/boot/mounts.hpp"
 #include "hal/boot/network_card.hpp"
 #include "hal/boot/slot_image.hpp"
@@ -222,6 +223,9 @@ void start_machine(Machine& machine, const hal::Clock& clock) {
   hal::boot::link_virtio_ports();
   (void)::sethostname(machine.config.name.data(), machine.config.name.size());
   (void)hal::boot::switch_on("lo");
+  if (const auto named = hal::boot::keep_machine_id("/data/machine-id", "/etc/machine-id"); !named) {
+    machine.speaker.say(named.error().text);
+  }
   link_gpu_libraries();
   make_key(machine);
   if (machine.config.can_virtual) {

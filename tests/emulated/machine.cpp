@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
+#include <array>
 
 #include <cstdlib>
 #include <cstring>
@@ -112,12 +113,21 @@ void Machine::power_on() {
   }
   qemu_ = std::make_unique<Program>(kQemu, arguments);
   console_fd_ = dial(console);
+  // What the log has already: but who is connected and does not read stops the machine after some hundred characters.
+  reader_ = std::thread([fd = console_fd_] {
+    std::array<char, 4096> shown;
+    while (::recv(fd, shown.data(), shown.size(), 0) > 0) {
+    }
+  });
 }
 
 void Machine::cut_power() {
-  if (console_fd_ >= 0) ::close(console_fd_);
-  console_fd_ = -1;
   qemu_.reset();  // kills it
+  if (console_fd_ < 0) return;
+  ::shutdown(console_fd_, SHUT_RDWR);
+  reader_.join();
+  ::close(console_fd_);
+  console_fd_ = -1;
 }
 
 bool Machine::is_on() { return qemu_ != nullptr && qemu_->is_running(); }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/support/run_program.hpp"
@@ -59,6 +60,7 @@ class Machine {
   TempFolder folder_;
   std::unique_ptr<Program> qemu_;
   int console_fd_ = -1;
+  std::thread reader_;
 };
 
 /// The seconds since the kernel began, in a line of the first process: "[    4.321] ...".

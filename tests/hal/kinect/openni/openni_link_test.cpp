@@ -32,7 +32,7 @@ TEST_CASE("a live Kinect where there is none, or no USB at all, is an error and 
   link->close();
 }
 
-TEST_CASE("what a Kinect sees is recorded into an .oni file, and played from it again", "[threads][slow]") {
+TEST_CASE("what a Kinect sees is recorded into an .oni file, and played from it again", "[openni_threads][slow]") {
   const g3d::test::TempFolder folder;
   const std::string path = folder / "eyes.oni";
   RealClock clock;

@@ -8,7 +8,7 @@
 using namespace g3d::hal;
 using namespace g3d::hal::kinect;
 
-TEST_CASE("a virtual link shows what another camera sees", "[threads]") {
+TEST_CASE("a virtual link shows what another camera sees", "[openni_threads]") {
   struct Grey final : DepthCamera {
     CameraModel camera;
     [[nodiscard]] const CameraModel& model() const override { return camera; }

@@ -36,7 +36,7 @@ struct VirtualRig {
 
 }  // namespace
 
-TEST_CASE("a virtual Kinect's images come through OpenNI2 unchanged, with colour and even stamps", "[threads]") {
+TEST_CASE("a virtual Kinect's images come through OpenNI2 unchanged, with colour and even stamps", "[openni_threads]") {
   VirtualRig rig;
   const auto opened = rig.camera.open();
   REQUIRE(opened.ok());
@@ -50,7 +50,7 @@ TEST_CASE("a virtual Kinect's images come through OpenNI2 unchanged, with colour
   CHECK(rig.camera.counts().colourless <= 5);  // on a machine that is busy with something else
 }
 
-TEST_CASE("one that cannot register depth is registered here", "[threads]") {
+TEST_CASE("one that cannot register depth is registered here", "[openni_threads]") {
   VirtualKinectOptions options;
   options.is_registered = false;
   VirtualRig rig(options);
@@ -61,7 +61,7 @@ TEST_CASE("one that cannot register depth is registered here", "[threads]") {
   CHECK(readings > rig.camera.model().pixel_count() / 3);
 }
 
-TEST_CASE("half images, silence, and a plug that is pulled out and put back", "[threads][slow]") {
+TEST_CASE("half images, silence, and a plug that is pulled out and put back", "[openni_threads][slow]") {
   KinectOptions options;
   options.stall_ns = 400 * kMillisecond_ns;
   VirtualRig rig({}, options);
@@ -96,7 +96,7 @@ TEST_CASE("half images, silence, and a plug that is pulled out and put back", "[
   CHECK(rig.camera.counts().is_open);
 }
 
-TEST_CASE("a Kinect that is pulled out and put back a hundred times gives frames each time", "[threads][slow]") {
+TEST_CASE("a Kinect that is pulled out and put back a hundred times gives frames each time", "[openni_threads][slow]") {
   VirtualKinectOptions options;
   options.rate_hz = 100.0;
   KinectOptions impatient;
@@ -133,7 +133,7 @@ TEST_CASE("a Kinect that is pulled out and put back a hundred times gives frames
   CHECK(growth_bytes < 65536);
 }
 
-TEST_CASE("nothing plugged in is an error that says what to look at; stop() ends the wait", "[threads]") {
+TEST_CASE("nothing plugged in is an error that says what to look at; stop() ends the wait", "[openni_threads]") {
   VirtualRig rig;
   rig.device.pull_out();
   const auto opened = rig.camera.open();
