@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kPosesWaiting = 4096;  // more than two minutes of frames
 constexpr hal::TimeNs kTeamWordEvery_ns = 100'000'000;
+// Of a mapper that is given frames: then nobody knows what has come into the way.
+constexpr hal::TimeNs kLongestMapping_ns = 1'000'000'000;
 
 std::size_t frames_waiting(const RobotThreadsConfig& config) { return std::max<std::size_t>(config.frames_waiting, 1); }
 
@@ -127,6 +129,7 @@ void RobotThreads::camera_loop() {
       drop(*sight.refused);
       continue;
     }
+    mapper_given_ns_.store(now_ns, std::memory_order_release);
     const auto oldest = to_mapper_.push_overwrite_oldest({index, sight});
     mapper_waits_.wake();
     if (oldest) {
@@ -146,7 +149,9 @@ void RobotThreads::mapper_loop() {
   JudgedFrame judged;
   while (mapper_waits_.wait([&] { return to_mapper_.try_pop(judged); })) {
     hal::tick(config_.mapper_progress);
+    mapper_alive_ns_.store(parts_.clock.now(), std::memory_order_release);
     integrate(judged);
+    mapper_alive_ns_.store(parts_.clock.now(), std::memory_order_release);
     pool_.release(judged.frame_index);
     hal::rest(config_.mapper_progress);
   }
@@ -224,16 +229,24 @@ bool RobotThreads::moves_map(hal::TimeNs stamp_ns) {
   return true;
 }
 
+bool RobotThreads::mapper_is_stuck() const {
+  const hal::TimeNs alive_ns = mapper_alive_ns_.load(std::memory_order_acquire);
+  return alive_ns != 0 && mapper_given_ns_.load(std::memory_order_acquire) - alive_ns > kLongestMapping_ns;
+}
+
 void RobotThreads::navigator_loop() {
   name_thread("navigator");
   const hal::TimeNs period_ns = config_.robot.steps_per_command * hal::kobuki::kPacketPeriod_ns;
   hal::TimeNs due_ns = parts_.clock.now();
   while (!navigator_ending_.load(std::memory_order_acquire)) {
-    hal::tick(config_.navigator_progress);
     const hal::TimeNs now_ns = parts_.clock.now();
+    const bool is_blind = mapper_is_stuck();
+    // A mapper that hangs while it waits for a frame rests, as far as its own entry tells.
+    if (!is_blind) hal::tick(config_.navigator_progress);
     take_base(now_ns);
     take_words(now_ns);
-    if (now_ns >= due_ns) {
+    // Without a command the base stops by itself.
+    if (now_ns >= due_ns && !is_blind) {
       if (seen_packets_ > 0 && !ending_.load(std::memory_order_acquire)) {
         times(Stage::navigate_late).add(now_ns - due_ns);
         step(now_ns);

@@ -149,6 +149,8 @@ class RobotThreads {
 
   void camera_loop();
   void mapper_loop();
+  /// It was given frames for longer than kLongestMapping_ns and has taken none: what the robot drives by is old.
+  [[nodiscard]] bool mapper_is_stuck() const;
   void navigator_loop();
   void integrate(JudgedFrame& judged);
   [[nodiscard]] bool moves_map(hal::TimeNs stamp_ns);
@@ -200,6 +202,7 @@ class RobotThreads {
 
   std::atomic<bool> ending_{false}, navigator_ending_{false}, camera_ended_{false};
   std::atomic<std::uint64_t> delivered_{0}, integrated_{0};
+  std::atomic<hal::TimeNs> mapper_given_ns_{0}, mapper_alive_ns_{0};  ///< 0: no frame yet
   std::array<std::atomic<std::uint64_t>, hal::kDropReasonCount> dropped_{};
 
   // The mapper thread's

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "hal/progress_board.hpp"
 #include "hal/sim/load_world.hpp"
 #include "hal/sim/reach.hpp"
 #include "hal/sim/sim_building.hpp"
@@ -77,12 +78,16 @@ struct Place final : hal::ByteLine, hal::DepthCamera {
 
 struct Live {
   explicit Live(double battery_V = 16.0, const std::function<void(RobotConfig&)>& with = {})
-      : place(hal::load_world("two_rooms").value(), battery_V), robot(config(place, with), parts()) {}
+      : place(hal::load_world("two_rooms").value(), battery_V),
+        robot(config(place, with, board.add("navigator", 300 * kMs)), parts()) {}
   Place place;
+  hal::ProgressBoard board;
   RobotThreads robot;
 
-  static RobotThreadsConfig config(const Place& place, const std::function<void(RobotConfig&)>& with) {
+  static RobotThreadsConfig config(const Place& place, const std::function<void(RobotConfig&)>& with,
+                                   hal::ProgressEntry& navigator) {
     RobotThreadsConfig config;
+    config.navigator_progress = &navigator;
     config.robot.mapper.resolution_m = 0.1F;
     config.robot.mapper.capacity = mapper::capacity_for_bytes(32'000'000);
     config.robot.mapper.threads = 1;
@@ -104,6 +109,9 @@ struct Live {
   RobotParts parts() {
     RobotParts parts{place, place, place.clock, [this] { place.ended.store(true); }, nullptr, nullptr, {}};
     parts.coverage = [this](const GroundMap&) { return 0.01 * ++asked; };
+    parts.on_mapped = [this](const hal::MappedNote&, const hal::Frame*) {
+      while (mapper_hangs.load()) place.clock.sleep_until(place.clock.now() + 5 * kMs);
+    };
     return parts;
   }
   bool becomes_true(const std::function<bool()>& condition) {
@@ -115,6 +123,7 @@ struct Live {
     return true;
   }
   std::atomic<int> asked{0};
+  std::atomic<bool> mapper_hangs{false};
 };
 
 const mapper::StageTimes& times_of(const std::vector<mapper::NamedStage>& stages, const std::string& name) {
@@ -125,6 +134,26 @@ const mapper::StageTimes& times_of(const std::vector<mapper::NamedStage>& stages
 }
 
 }  // namespace
+
+TEST_CASE("a robot whose mapper hangs stands, though its camera sees and its navigator would go on", "[threads]") {
+  Live live;
+  live.robot.start();
+  REQUIRE(live.becomes_true([&] { return live.place.driven_m() > 0.5; }));
+  live.mapper_hangs = true;
+  const auto stands = [&] {
+    const double driven_m = live.place.driven_m();
+    live.place.clock.sleep_until(live.place.clock.now() + 500 * kMs);
+    return live.place.drive() == hal::kobuki::BaseControl{} && live.place.driven_m() == driven_m;
+  };
+  CHECK(live.becomes_true(stands));
+  CHECK(stands());
+  // And who feeds the watchdog hears of it.
+  CHECK(live.becomes_true([&] { return live.board.find_late(live.place.clock.now()).name != nullptr; }));
+  live.mapper_hangs = false;
+  const double driven_m = live.place.driven_m();
+  CHECK(live.becomes_true([&] { return live.place.driven_m() > driven_m + 0.2; }));
+  live.robot.stop();
+}
 
 TEST_CASE("in threads, the robot looks around by itself, and stands when it is stopped", "[threads]") {
   Live live;
