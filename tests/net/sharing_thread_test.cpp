@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -197,7 +198,9 @@ TEST_CASE("a key that is rotated on disk is taken over while robots run, and a b
   // B is in wrong hands: only A gets the new key.
   net::rotate_fleet_key(keys, net::OldKey::shut_out);
   REQUIRE(net::write_fleet_key(of_a, keys));
-  test::write_plain(of_b, "no key\n");
+  // In one piece, as keys are written: the file might be looked at while it is empty, which counts as well.
+  test::write_plain(of_b + ".new", "no key\n");
+  std::filesystem::rename(of_b + ".new", of_b);
   REQUIRE(a.becomes_true([&] { return a.thread.brief().read(brief) > 0 && brief.epoch == 2; }));
   REQUIRE(a.becomes_true([&] { return a.thread.brief().read(brief) > 0 && brief.alive == 0; }));
   const auto shut_out = a.thread.ask();
