@@ -19,8 +19,11 @@ namespace {
 constexpr std::uint64_t kKeeperRecord_bytes = 20;
 /// A journal is made anew when it is longer than this and twice what stands.
 constexpr std::uint64_t kLeastJournal_bytes = 1 << 20;
-/// Of a new journal at a time: a millisecond's work.
+/// Of a new journal at a time: a millisecond's work, and no more than a ring takes that nobody empties meanwhile.
 constexpr std::size_t kKeeperStep_bytes = 128 * 1024;
+std::size_t keeper_step_bytes(const JournalWriter& writer) {
+  return std::min(kKeeperStep_bytes, writer.ring().capacity_bytes() / 8);
+}
 
 }  // namespace
 
@@ -270,8 +273,8 @@ bool LayerKeeper::add_records(LayerIndex layer) {
     payload_.resize(record->bytes);
     store_.read(*record, payload_);
     push_record(JournalCommand::new_entry, layer, *record, payload_);
-    bytes += payload_.size() + kKeeperRecord_bytes;
-    if (bytes >= kKeeperStep_bytes || new_has_lost_) return false;
+    bytes += entry_.size();
+    if (bytes >= keeper_step_bytes(writer_) || new_has_lost_) return false;
   }
   return true;
 }
@@ -279,9 +282,7 @@ bool LayerKeeper::add_records(LayerIndex layer) {
 void LayerKeeper::add_to_journal() {
   if (writer_.ended_new() >= begun_) return walk_.reset();  // the disk refuses it
   // Half of the ring is left for what changes meanwhile.
-  if (!writer_.has_room_for(writer_.ring().capacity_bytes() / 2 + 2 * kKeeperStep_bytes) && !writer_.ring().empty()) {
-    return;
-  }
+  if (!writer_.has_room_for(writer_.ring().capacity_bytes() / 2 + 2 * keeper_step_bytes(writer_))) return;
   while (walk_->layer < store_.layer_count() && !new_has_lost_) {
     if (!store_.is_refused(walk_->layer)) {
       if (!add_records(walk_->layer)) break;
