@@ -5,10 +5,12 @@ include $(TOOLCHAIN)
 .DEFAULT_GOAL := all
 
 BUILD ?= build/host
-OPT ?= -O2 -g1
+# Lines for debuggers and stack traces; to write them takes a tenth of the compiler's time.
+DEBUG ?= -g1
+OPT ?= -O2 $(DEBUG)
 # Tests are not what we measure: to optimise most of them takes longer than to run them.
-TEST_OPT ?= -O1 -g1
-LIGHT_TEST_OPT ?= -O0 -g1
+TEST_OPT ?= -O1 $(DEBUG)
+LIGHT_TEST_OPT ?= -O0 $(DEBUG)
 SANITIZE ?=
 # What the fuzzers need to find their way, for the readers of outside data alone: it is slow.
 COVERAGE ?=

@@ -40,21 +40,27 @@ void RoadGrid::reset(const CellGrid<std::uint8_t>& cost, double body_radius_m) {
   for (auto* list : {&piece_, &largest_}) list->reserve(stride * stride);
   buckets_.resize(kBuckets);
   for (auto& bucket : buckets_) bucket.reserve(roads / 4 + 64);
-  for (std::size_t i = 0; i < cost.cells.size(); ++i) may_stand_[i] = cost.cells[i] < kInscribedCost ? 1 : 0;
-  for (std::uint32_t road = 0; road < roads; ++road) changed_.push_back(road);
+  // Where the body may not stand nothing is open, which stands there already. At the start that is nearly everywhere.
+  for (std::size_t i = 0; i < cost.cells.size(); ++i) {
+    if (cost.cells[i] < kInscribedCost) may_now_stand(cost.cell(i), true);
+  }
   join_changed();
 }
 
 void RoadGrid::update(const CellGrid<std::uint8_t>& cost, std::span<const std::uint32_t> changed) {
   for (const std::uint32_t i : changed) {
     const bool now = cost.cells[i] < kInscribedCost;
-    if (now == (may_stand_[i] != 0)) continue;
-    may_stand_[i] = now ? 1 : 0;
-    const std::uint32_t road = road_of(cost.cell(i));
-    if (is_noted_[road] == 0) changed_.push_back(road);
-    is_noted_[road] = 1;
+    if (now != (may_stand_[i] != 0)) may_now_stand(cost.cell(i), now);
   }
   join_changed();
+}
+
+void RoadGrid::may_now_stand(Cell c, bool may) {
+  may_stand_[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(cell_columns_) + static_cast<std::size_t>(c.x)] =
+      may ? 1 : 0;
+  const std::uint32_t road = road_of(c);
+  if (is_noted_[road] == 0) changed_.push_back(road);
+  is_noted_[road] = 1;
 }
 
 /// By flooding from each cell in turn, side by side; of equal pieces the one with the lowest cell.

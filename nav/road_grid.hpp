@@ -61,6 +61,7 @@ class RoadGrid {
   [[nodiscard]] double arrive_heading(const TravelField& field, std::uint32_t to) const;
 
  private:
+  void may_now_stand(Cell c, bool may);
   void find_largest_piece(std::uint32_t road);
   void note_neighbours(const std::vector<std::uint32_t>& of, std::vector<std::uint32_t>& all);
   [[nodiscard]] bool are_joined(std::uint32_t road, int straight) const;

@@ -76,7 +76,9 @@ StreamCamera::Wait StreamCamera::wait_for_bytes(int fd) {
   // A stream that has an event but no bytes has ended.
   if (count < 0 && (errno == EAGAIN || errno == EINTR) && (wait.revents & POLLIN) != 0) return Wait::in_vain;
   if (count <= 0) return Wait::broken;
-  came_ns_ = clock_.now();
+  const TimeNs now_ns = clock_.now();
+  if (now_ns - came_ns_ >= kQuiet_ns && reader_.pending_bytes() == 0) is_settled_ = true;
+  came_ns_ = now_ns;
   reader_.take(static_cast<std::size_t>(count));
   return Wait::over;
 }
@@ -87,7 +89,7 @@ void StreamCamera::begin_stream(TimeNs now_ns) {
   fit_.forget();
   opened_ns_ = heard_ns_ = came_ns_ = now_ns;
   message_began_ns_ = -1;
-  has_sequence_ = false;
+  is_settled_ = has_sequence_ = false;
 }
 
 void StreamCamera::hang_up(TimeNs now_ns) { link_.hang_up(now_ns); }
@@ -116,7 +118,7 @@ bool StreamCamera::deliver(Frame& out) {
   if (has_sequence_ && header.sequence > last_sequence_) counts_.missing += header.sequence - last_sequence_ - 1;
   has_sequence_ = true;
   last_sequence_ = header.sequence;
-  if (ours_ns - opened_ns_ < kSettle_ns) {
+  if (!is_settled_ && ours_ns - opened_ns_ < kSettle_ns) {
     ++counts_.settling;
     return false;
   }

@@ -37,6 +37,8 @@ class StreamCamera final : public DepthCamera {
   static constexpr TimeNs kStall_ns = 3'000'000'000;
   /// What lay in the stream when it was opened is old; how old is known once something new has come.
   static constexpr TimeNs kSettle_ns = 1'000'000'000;
+  /// Nothing old lies in a stream that was empty for so long.
+  static constexpr TimeNs kQuiet_ns = 100'000'000;
 
   /// `model`: what the stream has to bring. `clock` outlives this. `slow_percent`: of that clock; a sender with another
   /// one is named by last_error().
@@ -70,6 +72,7 @@ class StreamCamera final : public DepthCamera {
   TimeNs heard_ns_ = 0;
   TimeNs message_began_ns_ = -1;  ///< of the message that is not whole yet
   TimeNs came_ns_ = 0;            ///< when the last bytes came
+  bool is_settled_ = false;       ///< what comes is new
   bool has_sequence_ = false;
   std::uint64_t last_sequence_ = 0;
   StreamCounts counts_;

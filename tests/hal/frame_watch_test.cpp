@@ -114,7 +114,7 @@ TEST_CASE("Old images, images from the future, and stamps that stand still") {
   CHECK(bench.watch.check(bench.frame, bench.camera, bench.pose, bench.now_ns) == FrameFault::old);
 }
 
-TEST_CASE("Images of the simulated camera in a cluttered place are good") {
+TEST_CASE("Images of the simulated camera in a cluttered place are good", "[slow]") {
   for (const std::string world_name : {"furnished_room", "corridor"}) {
     INFO(world_name);
     auto world = load_world(world_name);

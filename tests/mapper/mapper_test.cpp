@@ -75,7 +75,7 @@ TEST_CASE("cameras and resolutions that no memory could serve are refused with a
 
 // These maps must be the same on every processor, with every compiler and in every later version: who changes one on
 // purpose changes the contract in the README's map section, too.
-TEST_CASE("a short simulated drive has its golden hashes") {
+TEST_CASE("a short simulated drive has its golden hashes", "[slow]") {
   const test::Workload work = test::simulated_drive("furnished_room", 8, 1.0, 0.0, 160);
   REQUIRE(work.frames.size() == 8);
   const std::map<IntegratorKind, std::string> golden{
@@ -281,7 +281,7 @@ TEST_CASE("what is too near neither marks nor carves, an image without any readi
   }
 }
 
-TEST_CASE("rays past the outline of what is too near do not free the voxels in which it lies") {
+TEST_CASE("rays past the outline of what is too near do not free the voxels in which it lies", "[slow]") {
   const hal::CameraModel camera = test::small_camera(160);
   for (const IntegratorKind kind : kAllKinds) {
     INFO(to_string(kind));

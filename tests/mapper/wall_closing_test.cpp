@@ -138,7 +138,7 @@ Thickness thickness_of(const VoxelMap& map, int axis) {
 
 }  // namespace
 
-TEST_CASE("what a thin shell encloses stays enclosed however it is turned", "[mapper][merge]") {
+TEST_CASE("what a thin shell encloses stays enclosed however it is turned", "[mapper][merge][slow]") {
   tests::Random random(3);
   std::size_t leaks_without = 0;
   for (int trial = 0; trial < 6; ++trial) {

@@ -128,7 +128,7 @@ nav::CellGrid<nav::CellState> inside(const std::vector<Box>& boxes) {
 
 }  // namespace
 
-TEST_CASE("It explores two rooms through a narrow door and returns home without touching anything") {
+TEST_CASE("It explores two rooms through a narrow door and returns home without touching anything", "[slow]") {
   World world(two_rooms(), {1.5, 1.5, 0.3}, kTwoRooms);
   CHECK(world.navigator.mission().state() == MissionState::starting);
   REQUIRE(world.reaches(MissionState::home, 300));
@@ -318,7 +318,7 @@ TEST_CASE("Whoever else chooses the goals drives the same robot, is told what be
   CHECK(world.robot.contacts() == 0);
 }
 
-TEST_CASE("While the map moves it stands, and it goes on where it is then") {
+TEST_CASE("While the map moves it stands, and it goes on where it is then", "[slow]") {
   World world(two_rooms(), {1.0, 1.0, 0.0}, kTwoRooms);
   world.run(25.0);
   REQUIRE(world.navigator.mission().state() == MissionState::exploring);

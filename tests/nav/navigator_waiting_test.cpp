@@ -26,7 +26,7 @@ constexpr Box kCorridorExtent{-0.2, -0.2, 10.2, 3.2};
 
 }  // namespace
 
-TEST_CASE("robots whose ways cross in the open do not touch", "[nav][navigator][team]") {
+TEST_CASE("robots whose ways cross in the open do not touch", "[nav][navigator][team][slow]") {
   SmallTeam team(tests::walls_around({0, 0, 6, 6}), {-0.2, -0.2, 6.2, 6.2},
                  {{{0.6, 3, kEast_rad}, {{5.4, 3, kEast_rad}, {0.6, 3, kWest_rad}}},
                   {{3, 0.6, kNorth_rad}, {{3, 5.4, kNorth_rad}, {3, 0.6, kSouth_rad}}},

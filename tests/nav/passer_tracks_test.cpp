@@ -126,7 +126,8 @@ TEST_CASE("Who stopped before the robot is a body, also when it turns to go arou
   CHECK_FALSE(walk.may_come(stands_x_m + 0.1, 0.15, 10.5));
 }
 
-TEST_CASE("Who has become a part of the map is still somebody, but walls that look new are nobody", "[nav][passers]") {
+TEST_CASE("Who has become a part of the map is still somebody, but walls that look new are nobody",
+          "[nav][passers][slow]") {
   nav::DepthScan scan{nav::DepthScanConfig()};
   const nav::CellGrid<CellState> floor{0.05, -4.0, -4.0, 160, 160, CellState::free};
   const nav::MovedLately moved{floor};

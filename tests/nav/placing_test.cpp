@@ -36,7 +36,7 @@ TEST_CASE("where odometry is believed nothing is touched", "[nav][placing]") {
   CHECK(placing.aligner() == nullptr);
 }
 
-TEST_CASE("a robot whose odometry turns away is where its camera sees it", "[nav][placing]") {
+TEST_CASE("a robot whose odometry turns away is where its camera sees it", "[nav][placing][slow]") {
   const hal::CameraModel camera = hal::scaled_kinect(160, 120);
   const hal::Pose T_base_camera = hal::forward_camera(0.4);
   auto world = hal::parse_world(

@@ -83,7 +83,7 @@ struct Run {
 
 }  // namespace
 
-TEST_CASE("a robot in lockstep drives, maps, and knows where it is", "[nav][robot]") {
+TEST_CASE("a robot in lockstep drives, maps, and knows where it is", "[nav][robot][slow]") {
   Run run(kRoom);
   run.run(20.0);
   const nav::Robot& robot = *run.robot;

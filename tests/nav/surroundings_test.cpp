@@ -168,7 +168,7 @@ TEST_CASE("Planning leaves room for the body wherever it is in its cell") {
   CHECK(nav::planning_radius_m(0.18, 0.05) < 0.225);  // five cells from an obstacle's centre it fits
 }
 
-TEST_CASE("Somebody who walks across is in the way long before the map knows him", "[nav][surroundings]") {
+TEST_CASE("Somebody who walks across is in the way long before the map knows him", "[nav][surroundings][slow]") {
   // He comes from the left at a metre per second, 1.5 m before a robot that stands, and is gone again after 6 s.
   hal::SimBuildingOptions options;
   options.camera = hal::scaled_kinect(160, 120);

@@ -39,7 +39,7 @@ mapper::Rgbo coloured(std::uint32_t rgb) { return rgb << 8 | mapper::kHasColourB
 
 }  // namespace
 
-TEST_CASE("All colours there are come back: their parts and differences at every end") {
+TEST_CASE("All colours there are come back: their parts and differences at every end", "[slow]") {
   tests::Random random(7);
   for (int i = 0; i < 200; ++i) {
     mapper::BlockValues values;

@@ -49,7 +49,7 @@ TEST_CASE("Random levels come back, in wholes and halves") {
   }
 }
 
-TEST_CASE("Every level may stand next to every other") {
+TEST_CASE("Every level may stand next to every other", "[slow]") {
   for (int a = 0; a <= 32; ++a) {
     for (int b = 0; b <= 32; ++b) {
       REQUIRE(bytes_of_levels([&](auto v) { return (v.x ^ v.y ^ v.z) % 2 == 0 ? a : b; }, Part::whole) > 0);

@@ -88,7 +88,7 @@ struct ToldWalk {
 
 }  // namespace
 
-TEST_CASE("a chain of submaps travels, and is its writer's map to the bit", "[net][chain]") {
+TEST_CASE("a chain of submaps travels, and is its writer's map to the bit", "[net][chain][slow]") {
   ToldWalk told(40);
   const std::size_t submaps = told.walk.chain.submaps().size();
   REQUIRE(submaps >= 3);
@@ -119,7 +119,7 @@ TEST_CASE("a chain of submaps travels, and is its writer's map to the bit", "[ne
   CHECK(mapper::map_hash(told.merged.map()) == told.expected());
 }
 
-TEST_CASE("submaps that are joined are published as one, and others that are new go on", "[net][chain]") {
+TEST_CASE("submaps that are joined are published as one, and others that are new go on", "[net][chain][slow]") {
   ToldWalk told(40);
   (void)told.tell();
   const std::size_t submaps = told.walk.chain.submaps().size();

@@ -166,7 +166,7 @@ TEST_CASE("in peace four robots keep their leader while the radio loses three wo
   CHECK(model.changed_leaders() == before);
 }
 
-TEST_CASE("whatever happens, who hear each other in peace come to follow one leader", "[net][cluster]") {
+TEST_CASE("whatever happens, who hear each other in peace come to follow one leader", "[net][cluster][slow]") {
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) check_leaders(seed);
 }
 

@@ -120,7 +120,8 @@ TEST_CASE("a robot that comes back sees what it and others had seen, though nobo
   }
 }
 
-TEST_CASE("a robot that was told wrongly where it is sees what the others have seen where it is", "[net][refine]") {
+TEST_CASE("a robot that was told wrongly where it is sees what the others have seen where it is",
+          "[net][refine][slow]") {
   const bool refines = GENERATE(true, false);
   const auto room = tests::furnished_room(0.1F);
   TwoSharers both(0.1);
@@ -144,7 +145,8 @@ TEST_CASE("a robot that was told wrongly where it is sees what the others have s
   CHECK(both.robots[0]->sharing->store().digest() == second.store().digest());
 }
 
-TEST_CASE("a chain is shared while it grows, what is newer goes ahead, and a correction moves it", "[net][chain]") {
+TEST_CASE("a chain is shared while it grows, what is newer goes ahead, and a correction moves it",
+          "[net][chain][slow]") {
   tests::SubmapWalk walk({.most_way_m = 2.0});
   mapper::VoxelMap empty(walk.mapper.map().grid(), tests::kPlentyOfBlocks);
   TwoSharers both(0.1);

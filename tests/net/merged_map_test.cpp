@@ -63,7 +63,7 @@ TEST_CASE("a layer of voxels of another size is not taken for one of ours", "[ne
 }
 
 TEST_CASE("robots whose maps stand anywhere in the world come to the map that merging them at once gives",
-          "[net][merge]") {
+          "[net][merge][slow]") {
   const std::array<std::unique_ptr<mapper::VoxelMap>, 3> maps{
       tests::furnished_room(0.1F), tests::random_map(4, 60, 0.1F), tests::random_map(9, 60, 0.1F)};
   const std::array<hal::Pose, 3> poses{hal::Pose{}, hal::from_xyz_rpy(0.4, -0.2, 0.0, 0.0, 0.0, 0.0),

@@ -294,7 +294,7 @@ TEST_CASE("one corrupted, lost or added byte costs at most one undamaged packet,
   }
 }
 
-TEST_CASE("two changed bytes that cancel in the checksum clear no flag, and their way is taken back") {
+TEST_CASE("two changed bytes that cancel in the checksum clear no flag, and their way is taken back", "[slow]") {
   const Recording recording = arc_recording(8, true);
   const std::size_t begin = recording.byte_of[3], end = recording.byte_of[4];
   const double gate_m = max_ticks_in(40) * kMetresPerTick;

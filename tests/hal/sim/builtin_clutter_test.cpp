@@ -16,14 +16,14 @@ SeenCell at(const Observable& all, double x_m, double y_m) {
 
 }  // namespace
 
-TEST_CASE("between the clutter of the laboratory there is a way to nearly everywhere") {
+TEST_CASE("between the clutter of the laboratory there is a way to nearly everywhere", "[slow]") {
   const Observable all = observable(load_world("lab").value());
   CHECK(static_cast<double>(all.reachable_count) > 0.6 * static_cast<double>(all.free_count));
   CHECK(at(all, -3.0, -2.5) == SeenCell::free);
   CHECK(at(all, 2.4, 2.2) == SeenCell::free);
 }
 
-TEST_CASE("the glass offices hide black furniture and show what is behind panes") {
+TEST_CASE("the glass offices hide black furniture and show what is behind panes", "[slow]") {
   const World world = load_world("glass").value();
   const Observable all = observable(world);
   CHECK(at(all, 2.3, 2.6) == SeenCell::free);

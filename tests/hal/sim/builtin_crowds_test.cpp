@@ -30,7 +30,7 @@ TEST_CASE("people in crowds walk rounds, through no wall, at a walking pace") {
   }
 }
 
-TEST_CASE("a robot and a person fit past each other in the passage, and its chambers can be seen") {
+TEST_CASE("a robot and a person fit past each other in the passage, and its chambers can be seen", "[slow]") {
   const World world = load_world("passage").value();
   const Observable all = find_observable(world, std::span(world.starts()).first(1)).value();
   const auto at = [&](double x_m, double y_m) {

@@ -16,7 +16,7 @@ SeenCell at(const Observable& all, double x_m, double y_m) {
 
 }  // namespace
 
-TEST_CASE("every room behind a narrow doorway is reached and seen") {
+TEST_CASE("every room behind a narrow doorway is reached and seen", "[slow]") {
   const World world = load_world("doorways").value();
   const Observable all = observable(world);
   for (const double x : {-3.0, 0.0, 3.0}) {
@@ -29,7 +29,7 @@ TEST_CASE("every room behind a narrow doorway is reached and seen") {
         all.reachable_count / 6);
 }
 
-TEST_CASE("all five rooms of the house and all cells of the maze are reached") {
+TEST_CASE("all five rooms of the house and all cells of the maze are reached", "[slow]") {
   const Observable house = observable(load_world("house").value());
   for (const auto& [x, y] : {std::pair{-1.8, -3.0}, {3.0, -2.4}, {-3.2, 1.4}, {0.3, 1.4}, {3.4, 1.6}}) {
     CHECK(at(house, x, y) == SeenCell::free);
@@ -41,7 +41,7 @@ TEST_CASE("all five rooms of the house and all cells of the maze are reached") {
   }
 }
 
-TEST_CASE("the corridors close to loops") {
+TEST_CASE("the corridors close to loops", "[slow]") {
   const Observable loops = observable(load_world("loops").value());
   for (const auto& [x, y] : {std::pair{-6.3, 0.0},
                              {-3.9, 4.1},

@@ -39,7 +39,7 @@ TEST_CASE("no built-in drive comes nearer than 0.3 m to anything") {
   }
 }
 
-TEST_CASE("worlds to explore have starts from which the same floor is reached, room to see, and are closed") {
+TEST_CASE("worlds to explore have starts from which the same floor is reached, room to see, and are closed", "[slow]") {
   CHECK(exploration_names().size() >= 8);
   for (const std::string_view name : exploration_names()) {
     CAPTURE(name);

@@ -100,7 +100,7 @@ TEST_CASE("a disk that hangs goes on when the fault is over", "[threads]") {
   CHECK(read_plain(disk.path) == "new");
 }
 
-TEST_CASE("slow and delayed disks take time and nothing else") {
+TEST_CASE("slow and delayed disks take time and nothing else", "[slow]") {
   for (const char* kind : {"slow", "delayed"}) {
     INFO(kind);
     BadDisk disk(kind);

@@ -110,7 +110,7 @@ TEST_CASE("a map may be negated, without ceiling, of another height, and must ha
   CHECK(make_map_world(yaml, picture(200, 1, std::string(200, '#')), {}, "m").error().reason == Reason::out_of_range);
 }
 
-TEST_CASE("real floor plans load, and no ray leaves them") {
+TEST_CASE("real floor plans load, and no ray leaves them", "[slow]") {
   const char* env = std::getenv("G3D_DATA");
   const std::filesystem::path data = env != nullptr ? env : "../shared/data";
   int loaded = 0;

@@ -23,7 +23,7 @@ const std::string kRoom = "room 0 0 0  6 6 2.5 0.1\n";
 
 }  // namespace
 
-TEST_CASE("all of an empty room can be seen, its walls from inside, nothing beyond") {
+TEST_CASE("all of an empty room can be seen, its walls from inside, nothing beyond", "[slow]") {
   const Truth truth(kRoom);
   CHECK(truth.all.free_count == 120 * 120);
   for (double v = -2.97; v < 3.0; v += 0.05) {
@@ -50,7 +50,7 @@ TEST_CASE("only what lies between 0.8 and 3.5 m of reachable places counts") {
   CHECK(closet.all.count() == 0);
 }
 
-TEST_CASE("a high box hides what is behind it, a low one only partly, a table nothing") {
+TEST_CASE("a high box hides what is behind it, a low one only partly, a table nothing", "[slow]") {
   const std::string wall = "box 0 0 0  6 0.1 2\n";
   const Truth hidden(kRoom + wall, {0, -1.5, 0});
   CHECK(hidden.at(0, 1.5) == SeenCell::not_observable);
@@ -72,7 +72,7 @@ TEST_CASE("black is never seen, glass is looked through but not driven through")
   CHECK(glass.all.reachable_count < 9.0 * 5.64 / 0.0025 / 3.0);
 }
 
-TEST_CASE("a level surface just below the camera gives no reading, its edge does") {
+TEST_CASE("a level surface just below the camera gives no reading, its edge does", "[slow]") {
   const Truth truth(kRoom + "box 0 1.5 0  6 3 0.45\n", {0, -1.5, 0});
   CHECK(truth.at(0, 0.02) == SeenCell::wall);
   CHECK(truth.at(0, 2.0) == SeenCell::not_observable);
@@ -80,7 +80,7 @@ TEST_CASE("a level surface just below the camera gives no reading, its edge does
   CHECK(step.at(0, 1.5) == SeenCell::wall);
 }
 
-TEST_CASE("people are left out, a hole has no free cells") {
+TEST_CASE("people are left out, a hole has no free cells", "[slow]") {
   const Truth truth(kRoom + "person 1.8 0.25 0,1,1\n");
   CHECK(truth.at(1, 1) == SeenCell::free);
   const Truth hole("floor -2 0 0  4 4 0.1\nfloor 3 0 0  2 4 0.1\n", {-2, 0, 0});
@@ -88,7 +88,7 @@ TEST_CASE("people are left out, a hole has no free cells") {
   CHECK(hole.at(1.0, 0) == SeenCell::not_observable);
 }
 
-TEST_CASE("coverage is the known share of what is observable") {
+TEST_CASE("coverage is the known share of what is observable", "[slow]") {
   const Truth truth(kRoom);
   CHECK(coverage(truth.all, [](double, double, SeenCell) { return true; }) == 1.0);
   CHECK(coverage(truth.all, [](double, double, SeenCell) { return false; }) == 0.0);

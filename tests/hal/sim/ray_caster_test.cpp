@@ -49,7 +49,7 @@ std::size_t count_different(const World& world, const Pose& pose, TimeNs time_ns
 
 }  // namespace
 
-TEST_CASE("the tiled ray caster sees what a plain search over all solids sees") {
+TEST_CASE("the tiled ray caster sees what a plain search over all solids sees", "[slow]") {
   for (const char* name : {"furnished_room", "office", "visitor"}) {
     const World world = load_world(name).value();
     const CameraPath path = load_camera_path(name).value();

@@ -26,7 +26,7 @@ struct Room {
 
 }  // namespace
 
-TEST_CASE("what a camera has been shown grows with every place that it looks from, to nearly all") {
+TEST_CASE("what a camera has been shown grows with every place that it looks from, to nearly all", "[slow]") {
   Room room;
   SeenCells seen(room.observable);
   CHECK(seen.fraction() == 0.0);

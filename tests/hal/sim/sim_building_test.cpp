@@ -74,7 +74,7 @@ std::uint64_t fingerprint(int threads, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("a run repeats to the last bit, on any number of threads") {
+TEST_CASE("a run repeats to the last bit, on any number of threads", "[slow]") {
   const std::uint64_t once = fingerprint(1, 5);
   CHECK(fingerprint(1, 5) == once);
   CHECK(fingerprint(3, 5) == once);
@@ -143,7 +143,7 @@ TEST_CASE("robots see one another as they are now, but not themselves") {
   CHECK(frame.sequence == 1);
 }
 
-TEST_CASE("contacts are told apart by what the camera could have measured") {
+TEST_CASE("contacts are told apart by what the camera could have measured", "[slow]") {
   SimBuilding seen(world_of("floor 0 0 0 20 20 0.1\nbox 2 0 0 0.2 4 2\n"), options_for({{0, 0, 0}}));
   Frame frame = make_frame(seen.camera());
   drive(seen, 0, 0.3, 0);

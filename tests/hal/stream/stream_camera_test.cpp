@@ -24,7 +24,7 @@ constexpr TimeNs kPeriod_ns = 20'000'000;
 
 /// A sender on a clock of its own.
 struct Sender {
-  explicit Sender(const std::string& path) : camera(clock, 32, 24, kPeriod_ns) {
+  explicit Sender(const std::string& path, TimeNs period_ns = kPeriod_ns) : camera(clock, 32, 24, period_ns) {
     auto link = StreamLink::listen(parse_stream_place(path).value());
     REQUIRE(link.ok());
     server = std::make_unique<FrameServer>(
@@ -82,6 +82,17 @@ TEST_CASE("frames out of a stream carry the time of our own clock", "[threads]")
   CHECK(receiver.camera->counts().settling > 0);
   CHECK(last_ns - begin_ns > StreamCamera::kSettle_ns);
   CHECK(receiver.camera->counts().images == 20);
+}
+
+TEST_CASE("a stream that is empty for a while has nothing old in it", "[threads]") {
+  const test::TempFolder folder;
+  const Sender sender(folder / "s", 4 * StreamCamera::kQuiet_ns);
+  Receiver receiver(folder / "s");
+  const TimeNs begin_ns = receiver.clock.now();
+  REQUIRE(receiver.camera->read(receiver.frame).event == CameraEvent::frame);
+  CHECK(receiver.frame.stamp_ns > begin_ns);
+  CHECK(receiver.frame.stamp_ns - begin_ns < StreamCamera::kSettle_ns);
+  CHECK(receiver.camera->counts().settling <= 1);
 }
 
 TEST_CASE("a sender that goes and comes back is found again", "[threads]") {

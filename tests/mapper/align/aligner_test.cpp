@@ -126,7 +126,7 @@ TEST_CASE("in front of a wall that fills the view, nothing slides along it", "[m
   }
 }
 
-TEST_CASE("a covered camera, or one that sees nothing, leaves odometry as it is", "[mapper][align]") {
+TEST_CASE("a covered camera, or one that sees nothing, leaves odometry as it is", "[mapper][align][slow]") {
   Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 40);
   for (std::size_t i = 10; i < 30; ++i) std::fill_n(d.frames[i].depth.get(), d.camera.pixel_count(), std::uint16_t{0});
   const auto odometry = hal::drifted(d.truth, hal::robot_drift(2));
@@ -183,7 +183,7 @@ TEST_CASE("a pose beyond any building moves nothing, and the next one goes on as
   CHECK(shift_of(off) < 0.01);
 }
 
-TEST_CASE("a mount whose pitch is two degrees off does not spoil the plane", "[mapper][align]") {
+TEST_CASE("a mount whose pitch is two degrees off does not spoil the plane", "[mapper][align][slow]") {
   const Drive d = drive(kFurnished, -1.0, 0.2, 5, 0.3, 40);
   auto believed = d.truth;
   const hal::Pose tilt = hal::from_xyz_rpy(0, 0, 0, 0.035, 0, 0);  // about the camera's x: pitch

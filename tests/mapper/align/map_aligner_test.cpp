@@ -72,7 +72,7 @@ TEST_CASE("maps of different buildings are not joined", "[mapper][align][slow]")
   CHECK(found.outcome != MapAlignOutcome::aligned);
 }
 
-TEST_CASE("what could slide along itself is refused", "[mapper][align]") {
+TEST_CASE("what could slide along itself is refused", "[mapper][align][slow]") {
   // In the middle of a straight corridor nothing says how far along it is.
   mapper::VoxelMap walls(mapper::Grid{0.05F}, {4096, 4096, 64});
   mapper::BlockValues values;

@@ -42,7 +42,7 @@ TEST_CASE("a range bounds the ends of its window, and is not wider than that of 
       pyramid.compute(ends, best_kernels(), pool);
       int too_tight = 0;
       int too_wide = 0;
-      for (int i = 0; i < 1500; ++i) {
+      for (int i = 0; i < 500; ++i) {
         const int u0 = one_of(camera.width_px);
         const int v0 = one_of(camera.height_px);
         const int u1 = i % 5 == 0 ? u0 : u0 + one_of(camera.width_px - u0);

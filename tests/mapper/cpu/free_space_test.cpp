@@ -136,7 +136,7 @@ TEST_CASE("the wall behind somebody who stands in front of it stays", "[slow]") 
   }
 }
 
-TEST_CASE("a hand over the camera, or a black cloth over half the view, frees nothing") {
+TEST_CASE("a hand over the camera, or a black cloth over half the view, frees nothing", "[slow]") {
   const hal::CameraModel camera = test::small_camera(160);
   const hal::Pose pose = hal::camera_pose({0.0, 0.0, 1.2}, 0.0, 0.0);
   for (const IntegratorKind kind : kAllKinds) {
@@ -166,7 +166,7 @@ TEST_CASE("a hand over the camera, or a black cloth over half the view, frees no
   }
 }
 
-TEST_CASE("no closed wall is tunnelled: hardly a free voxel lies behind one after a noisy drive") {
+TEST_CASE("no closed wall is tunnelled: hardly a free voxel lies behind one after a noisy drive", "[slow]") {
   const test::Workload work = test::simulated_drive("two_rooms", 60, 0.5, 0.0, 160);
   REQUIRE(work.frames.size() >= 30);
   for (const IntegratorKind kind : kAllKinds) {

@@ -84,7 +84,7 @@ TEST_CASE("a ray passes the voxels of its plain walk and no neighbour of them") 
   CHECK(no > 50000);
 }
 
-TEST_CASE("bundles say of the voxels around the camera what their rays say one by one") {
+TEST_CASE("bundles say of the voxels around the camera what their rays say one by one", "[slow]") {
   int yes = 0;
   int no = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {

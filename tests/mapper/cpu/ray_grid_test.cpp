@@ -54,7 +54,7 @@ void check_faithful(const test::Workload& work, float resolution_m) {
 
 }  // namespace
 
-TEST_CASE("rays give the map of the plain walk, bit by bit, on random images") {
+TEST_CASE("rays give the map of the plain walk, bit by bit, on random images", "[slow]") {
   for (const auto kind : {IntegratorKind::dda, IntegratorKind::bresenham}) {
     for (const float resolution_m : {0.05F, 0.13F}) {
       for (std::uint64_t seed = 10; seed < 13; ++seed) {
@@ -80,7 +80,7 @@ TEST_CASE("rays give the map of the plain walk on simulated and recorded frames"
   }
 }
 
-TEST_CASE("what strays beyond the image's border is not left for a later frame") {
+TEST_CASE("what strays beyond the image's border is not left for a later frame", "[slow]") {
   MapperConfig config;
   config.integrator = IntegratorKind::bresenham;
   check_against_plain(config, test::simulated_drive("furnished_room", 2, 1.5, 21.0));

@@ -91,7 +91,7 @@ TEST_CASE("kernels leave nothing behind in blocks that are as free as can be, fo
   }
 }
 
-TEST_CASE("kernels give the CPU twin's map on simulated and recorded frames") {
+TEST_CASE("kernels give the CPU twin's map on simulated and recorded frames", "[slow]") {
   const test::Workload simulated = test::simulated_drive("furnished_room", 4, 0.5, 3.0, 160);
   REQUIRE(simulated.frames.size() == 4);
   for (const IntegratorKind kind : kAllKinds) {

@@ -73,8 +73,8 @@ void trade_blocks(VoxelMap& map, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE(
-    "with full pools a block has all of a frame, its levels without colours, or nothing of it; and it is counted") {
+TEST_CASE("with full pools a block has all of a frame, its levels without colours, or nothing of it; and it is counted",
+          "[slow]") {
   const hal::CameraModel camera = test::small_camera(60);
   const std::array<MapCapacity, 5> tiny{
       {{0, 0, 0}, {60, 1000, 1000}, {1000, 30, 1000}, {1000, 1000, 20}, {300, 60, 60}}};

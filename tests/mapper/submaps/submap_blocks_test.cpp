@@ -50,7 +50,7 @@ constexpr ChainOptions kManySubmaps{.most_way_m = 0.8};
 }  // namespace
 
 TEST_CASE("view and submaps together are the blocks of the whole map in their order, few in memory at a time",
-          "[submaps][window]") {
+          "[submaps][window][slow]") {
   SubmapWalk unlimited(kManySubmaps);
   SubmapWalk paged(kManySubmaps);
   paged.open_window();
@@ -72,7 +72,7 @@ TEST_CASE("view and submaps together are the blocks of the whole map in their or
   CHECK(paged.shelf.counts().failed_loads == 0);
 }
 
-TEST_CASE("a visit of view and submaps ends where somebody fails", "[submaps][window]") {
+TEST_CASE("a visit of view and submaps ends where somebody fails", "[submaps][window][slow]") {
   SubmapWalk paged(kManySubmaps);
   paged.open_window();
   paged.go(100);
@@ -86,7 +86,7 @@ TEST_CASE("a visit of view and submaps ends where somebody fails", "[submaps][wi
   CHECK(visits == 3);
 }
 
-TEST_CASE("what the disk has lost is missing from the whole map, and nothing else", "[submaps][window]") {
+TEST_CASE("what the disk has lost is missing from the whole map, and nothing else", "[submaps][window][slow]") {
   SubmapWalk unlimited(kManySubmaps);
   SubmapWalk paged(kManySubmaps);
   paged.open_window();

@@ -103,7 +103,7 @@ TEST_CASE("a submap may have no surfaces, no space and not one block", "[submaps
   CHECK(back.value().space == nullptr);
 }
 
-TEST_CASE("a submap may have more blocks than a group holds", "[submaps][paging]") {
+TEST_CASE("a submap may have more blocks than a group holds", "[submaps][paging][slow]") {
   const SubmapContents large = random_contents(40, 9000, 10, 9000);
   REQUIRE(large.voxels->sorted_keys().size() > kMaxGroupBlocks);
   REQUIRE(large.space->sorted_keys().size() > kMaxGroupBlocks);

@@ -97,7 +97,7 @@ TEST_CASE("a radius is raised to what the sensor's reach needs", "[submaps][wind
   CHECK(paged.window->full_radius_m() == Approx(20.0).margin(0.05));
 }
 
-TEST_CASE("what has changed since the last submap does not leave the view", "[submaps][window]") {
+TEST_CASE("what has changed since the last submap does not leave the view", "[submaps][window][slow]") {
   SubmapWalk unlimited(kOnlyWhenAsked);
   SubmapWalk paged(kOnlyWhenAsked);
   paged.open_window();
@@ -151,7 +151,8 @@ TEST_CASE("the view's window shrinks before a pool refuses, and ends submaps for
   CHECK(is_view_right(paged, unlimited));
 }
 
-TEST_CASE("whoever jumps and turns on the spot finds all as it was left, with little memory", "[submaps][window]") {
+TEST_CASE("whoever jumps and turns on the spot finds all as it was left, with little memory",
+          "[submaps][window][slow]") {
   constexpr double kBack_rad = 3.14;
   std::vector<hal::Pose> poses;
   for (int i = 0; i < 100; ++i) poses.push_back(looking(0.4 * i, 0.3));
@@ -170,7 +171,7 @@ TEST_CASE("whoever jumps and turns on the spot finds all as it was left, with li
   CHECK(paged.hash() == unlimited.hash());
 }
 
-TEST_CASE("nothing comes and goes while a camera stays or sways", "[submaps][window]") {
+TEST_CASE("nothing comes and goes while a camera stays or sways", "[submaps][window][slow]") {
   SubmapWalk paged;
   paged.open_window();
   paged.go(130);

@@ -72,7 +72,8 @@ void check_equal(test::EmulatedMapper& emulated, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("questions to the card are answered as by the CPU twin, between frames and changes of the host", "[cuda]") {
+TEST_CASE("questions to the card are answered as by the CPU twin, between frames and changes of the host",
+          "[cuda][slow]") {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const hal::CameraModel camera = test::small_camera(60);
     test::EmulatedMapper emulated(small_config(seed == 2 ? 0.1F : 0.05F), camera, seed);

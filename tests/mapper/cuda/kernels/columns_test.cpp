@@ -53,7 +53,7 @@ std::vector<std::uint8_t> slow_cells(const VoxelMap& map, const ColumnTables& ta
 
 }  // namespace
 
-TEST_CASE("columns from the card say what their voxels say", "[cuda]") {
+TEST_CASE("columns from the card say what their voxels say", "[cuda][slow]") {
   tests::Random random(3);
   for (const int voxels_per_cell : {1, 2, 4, 8}) {
     const hal::CameraModel camera = test::small_camera(80);
