@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What came over the base's line, as it came, into `kobuki.bin`: records of i64 t_ns, u16 n, n bytes, little-endian.
 // The thread at the line only fills a ring; a thread of its own writes, so that a slow or full disk costs records,
-// which are counted, and never a tick; once it takes records again they follow whole. What was written survives the
-// death of the process.
+// which are counted, and never a tick; once it takes records again they follow whole.
 #pragma once
 
 #include <array>
@@ -14,6 +13,7 @@
 
 #include "hal/messages.hpp"
 #include "hal/parking.hpp"
+#include "hal/replay/record_file.hpp"
 #include "hal/result.hpp"
 #include "hal/ring.hpp"
 
@@ -21,8 +21,7 @@ namespace g3d::hal::kobuki {
 
 class LineRecorder {
  public:
-  /// Starts an empty file and the thread. Errors: not_found, no_permission (also while another one writes it),
-  /// io_error.
+  /// Starts an empty file and the thread. Errors: those of RecordFile::create().
   [[nodiscard]] static Result<std::unique_ptr<LineRecorder>> create(const std::string& path);
   ~LineRecorder();
   LineRecorder(const LineRecorder&) = delete;
@@ -45,20 +44,14 @@ class LineRecorder {
     std::array<std::uint8_t, kChunk_bytes> bytes{};
   };
 
-  LineRecorder(std::string path, int fd);
+  explicit LineRecorder(RecordFile file);
   void write_all();
-  void write_one(const Chunk& chunk);
-  [[nodiscard]] bool cut_to_whole_records();
+  [[nodiscard]] bool write_one(const Chunk& chunk);
 
-  const std::string path_;
-  int fd_;
+  RecordFile file_;  // the writer's; after it was joined, of whoever ends
   Ring<Chunk> ring_{kChunks};
   Parking writer_waits_;
   std::atomic<std::uint64_t> lost_bytes_{0};
-  // The writer's, read after it was joined
-  int first_errno_ = 0;
-  std::int64_t whole_bytes_ = 0;
-  bool ends_in_half_a_record_ = false;
   std::thread writer_;
 };
 

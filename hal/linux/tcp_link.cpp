@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/linux/tcp_link.hpp"
 
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -9,46 +8,17 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "hal/linux/inet_socket.hpp"
 
 namespace g3d::hal {
 namespace {
 
 constexpr int kWaitingConnections = 8;
 
-sockaddr_in tcp_address(const Ipv4Endpoint& endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.ipv4);
-  address.sin_port = htons(endpoint.port);
-  return address;
-}
-
 const sockaddr* general(const sockaddr_in& address) { return reinterpret_cast<const sockaddr*>(&address); }
 
-Error tcp_error(const Ipv4Endpoint& at, const char* what, int error) {
-  Reason reason = Reason::io_error;
-  const char* remedy = "see whether both machines have a network";
-  if (error == EADDRINUSE) {
-    reason = Reason::no_capacity;
-    remedy = "another program listens there; end it, or give another port";
-  } else if (error == EACCES || error == EPERM) {
-    reason = Reason::no_permission;
-    remedy = "ports below 1024 are for root; give another one";
-  } else if (error == EADDRNOTAVAIL) {
-    reason = Reason::not_found;
-    remedy = "this machine does not have that address; give 0.0.0.0 for all that it has";
-  } else if (error == ECONNREFUSED) {
-    reason = Reason::not_found;
-    remedy = "the machine is there, but nothing listens at that port";
-  } else if (error == EHOSTUNREACH || error == ENETUNREACH) {
-    reason = Reason::not_found;
-    remedy = "there is no way to that address; check it, and whether the machine is on";
-  } else if (error == ETIMEDOUT) {
-    remedy = "nobody answers at that address; check it, and whether the machine is on";
-  }
-  return {reason, fmt::format("{}: {}: {}; {}", to_string(at), what, std::strerror(error), remedy)};
-}
+Error tcp_error(const Ipv4Endpoint& at, const char* what, int error) { return socket_error("", at, what, error); }
 
 bool is_only_late(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
@@ -62,7 +32,7 @@ void set_low_delay(int fd) {
 Result<TcpLink> TcpLink::connect(const Ipv4Endpoint& to, int patience_ms) {
   TcpLink link(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!link.is_open()) return tcp_error(to, "no socket", errno);
-  const sockaddr_in address = tcp_address(to);
+  const sockaddr_in address = system_address(to);
   int failed = ::connect(link.fd_, general(address), sizeof address) == 0 ? 0 : errno;
   if (failed == EINPROGRESS || failed == EINTR) {
     if (!link.wait(POLLOUT, patience_ms)) return tcp_error(to, "cannot connect", ETIMEDOUT);
@@ -142,7 +112,7 @@ Result<TcpListener> TcpListener::open(const Ipv4Endpoint& at) {
   const int on = 1;
   // Else a listener that starts again would wait a minute for old connections to be forgotten.
   (void)::setsockopt(listener.fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  sockaddr_in address = tcp_address(at);
+  sockaddr_in address = system_address(at);
   socklen_t size = sizeof address;
   if (::bind(listener.fd_, general(address), size) != 0 || ::listen(listener.fd_, kWaitingConnections) != 0 ||
       ::getsockname(listener.fd_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {

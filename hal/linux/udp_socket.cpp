@@ -11,6 +11,8 @@
 #include <cstring>
 #include <vector>
 
+#include "hal/linux/inet_socket.hpp"
+
 namespace g3d::hal {
 namespace {
 
@@ -20,14 +22,6 @@ constexpr int kMostBatchesAtOnce = 8;
 constexpr std::size_t kMostUdp_bytes = 65507;
 constexpr std::size_t kOverflowControl_bytes = CMSG_SPACE(sizeof(std::uint32_t));
 
-sockaddr_in system_address(const Ipv4Endpoint& endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.ipv4);
-  address.sin_port = htons(endpoint.port);
-  return address;
-}
-
 Ipv4Endpoint endpoint_of(const sockaddr_in& address) {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
@@ -36,21 +30,7 @@ bool set_option(int fd, int level, int option, int value) {
   return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-Error udp_error(const Ipv4Endpoint& at, const char* what, int error) {
-  Reason reason = Reason::io_error;
-  const char* remedy = "see whether this machine has a network";
-  if (error == EADDRINUSE) {
-    reason = Reason::no_capacity;
-    remedy = "another program listens there; end it, or give another port";
-  } else if (error == EACCES || error == EPERM) {
-    reason = Reason::no_permission;
-    remedy = "ports below 1024 are for root; give another one";
-  } else if (error == EADDRNOTAVAIL) {
-    reason = Reason::not_found;
-    remedy = "this machine does not have that address; give 0.0.0.0 for all that it has";
-  }
-  return {reason, fmt::format("udp {}: {}: {}; {}", to_string(at), what, std::strerror(error), remedy)};
-}
+Error udp_error(const Ipv4Endpoint& at, const char* what, int error) { return socket_error("udp", at, what, error); }
 
 }  // namespace
 

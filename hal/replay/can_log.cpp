@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hal/image/file_bytes.hpp"
+#include "hal/replay/log_lines.hpp"
 
 namespace g3d::hal {
 
@@ -15,36 +16,27 @@ Result<CanLog> read_can_log(const std::string& path) {
 
 Result<CanLog> parse_can_log(std::string_view text, std::string_view name) {
   CanLog log;
-  std::size_t line_number = 0;
-  while (!text.empty()) {
-    ++line_number;
-    const std::size_t end = text.find('\n');
-    if (end == text.npos) {
-      log.torn_bytes = text.size();
-      break;
-    }
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line.empty() || line.front() == '#') continue;
-    const can::CandumpLine parsed = can::parse_candump(line);
+  LogLines lines(text);
+  while (const auto line = lines.next()) {
+    const can::CandumpLine parsed = can::parse_candump(*line);
     if (parsed.bad != can::BadCandump::none) {
       return Error{Reason::malformed, fmt::format("{}:{}: a line that {}; is it a log of candump -l?", name,
-                                                  line_number, can::to_string(parsed.bad))};
+                                                  lines.number(), can::to_string(parsed.bad))};
     }
     if (!log.frames.empty() && parsed.stamped.t_ns < log.frames.back().t_ns) {
       return Error{Reason::malformed,
                    fmt::format("{}:{}: a frame earlier than the one before; frames must be in the order of time", name,
-                               line_number)};
+                               lines.number())};
     }
     if (log.frames.empty()) log.interface = parsed.interface;
     // One log, one bus: with several the stop node of one could be heard on the other.
     if (log.interface != parsed.interface) {
       return Error{Reason::unsupported,
-                   fmt::format("{}:{}: a second interface; keep the lines of one, with grep", name, line_number)};
+                   fmt::format("{}:{}: a second interface; keep the lines of one, with grep", name, lines.number())};
     }
     log.frames.push_back(parsed.stamped);
   }
+  log.torn_bytes = lines.torn_bytes();
   return log;
 }
 

@@ -9,6 +9,7 @@
 
 #include "hal/image/file_bytes.hpp"
 #include "hal/replay/decimal.hpp"
+#include "hal/replay/log_lines.hpp"
 
 namespace g3d::hal {
 namespace {
@@ -59,27 +60,20 @@ Result<GpioLog> read_gpio_log(const std::string& path) {
 
 Result<GpioLog> parse_gpio_log(std::string_view text, std::string_view name) {
   GpioLog log;
-  for (std::size_t line_number = 1; !text.empty(); ++line_number) {
-    const std::size_t end = text.find('\n');
-    if (end == text.npos) {
-      log.torn_bytes = text.size();
-      break;
-    }
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line.empty() || line.front() == '#') continue;
+  LogLines lines(text);
+  while (const auto line = lines.next()) {
     GpioRecord record;
-    const char* problem = parse_record(line, record);
+    const char* problem = parse_record(*line, record);
     if (problem == nullptr && !log.records.empty() && record.t_ns < log.records.back().t_ns) {
       problem = "is earlier than the one before";
     }
     if (problem != nullptr) {
       return Error{Reason::malformed,
-                   fmt::format("{}:{}: a line that {}; is it a gpio.log?", name, line_number, problem)};
+                   fmt::format("{}:{}: a line that {}; is it a gpio.log?", name, lines.number(), problem)};
     }
     log.records.push_back(std::move(record));
   }
+  log.torn_bytes = lines.torn_bytes();
   return log;
 }
 

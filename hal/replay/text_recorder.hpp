@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines of text from a thread that may not wait into a file: `can.log`, `gpio.log`. That thread only fills a ring; one
 // of the recorder's own writes, so that a slow or full disk costs lines, which are counted, and never a tick. A line is
-// in the file whole or not at all; what was written survives the death of the process.
+// in the file whole or not at all.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "hal/parking.hpp"
+#include "hal/replay/record_file.hpp"
 #include "hal/result.hpp"
 #include "hal/ring.hpp"
 
@@ -21,7 +22,7 @@ class TextRecorder {
  public:
   static constexpr std::size_t kMaxLine_bytes = 95;
 
-  /// Starts an empty file and the thread. Errors: not_found, no_permission, disk_full, io_error.
+  /// Starts an empty file and the thread. Errors: those of RecordFile::create().
   [[nodiscard]] static Result<std::unique_ptr<TextRecorder>> create(const std::string& path);
   ~TextRecorder();
   TextRecorder(const TextRecorder&) = delete;
@@ -33,29 +34,22 @@ class TextRecorder {
   [[nodiscard]] Result<void> finish();
   /// Any thread. Lines that are not in the file.
   [[nodiscard]] std::uint64_t lost_lines() const { return lost_lines_.load(std::memory_order_relaxed); }
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& path() const { return file_.path(); }
 
  private:
   static constexpr std::size_t kLines = 8192;  // a second of a bus of 1 Mbit/s that is full of short frames, or nearly
   struct Line {
     std::uint8_t size = 0;
-    std::array<char, kMaxLine_bytes> text{};
+    std::array<std::uint8_t, kMaxLine_bytes> text{};
   };
 
-  TextRecorder(std::string path, int fd);
+  explicit TextRecorder(RecordFile file);
   void write_all();
-  void write_one(const Line& line);
-  [[nodiscard]] bool cut_to_whole_lines();
 
-  const std::string path_;
-  int fd_;
+  RecordFile file_;  // the writer's; after it was joined, of whoever ends
   Ring<Line> ring_{kLines};
   Parking writer_waits_;
   std::atomic<std::uint64_t> lost_lines_{0};
-  // The writer's, read after it was joined
-  int first_errno_ = 0;
-  std::int64_t whole_bytes_ = 0;
-  bool ends_in_half_a_line_ = false;
   std::thread writer_;
 };
 
