@@ -5,7 +5,7 @@
 
 using namespace g3d::mapper;
 
-TEST_CASE("joining bits does not depend on the order, and counts up to two") {
+TEST_CASE("joining bits does not depend on the order, and counts up to two", "[long]") {
   for (std::uint32_t a = 0; a < 256; ++a) {
     for (std::uint32_t b = 0; b < 256; ++b) {
       REQUIRE(joined_bits(a, b) == joined_bits(b, a));

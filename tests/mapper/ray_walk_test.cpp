@@ -91,7 +91,7 @@ TEST_CASE("rays in float32 find what rays in double find, but within a thousandt
   }
 }
 
-TEST_CASE("a walk passes every voxel between its ends, one face at a time, and none beyond its range") {
+TEST_CASE("a walk passes every voxel between its ends, one face at a time, and none beyond its range", "[long]") {
   tests::Random random(93);
   for (int i = 0; i < 500; ++i) {
     BulkRay ray{};

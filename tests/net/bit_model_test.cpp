@@ -23,7 +23,7 @@ TEST_CASE("A logit and its probability lead to each other") {
   for (int p = 1; p < 4096; ++p) REQUIRE(std::abs(squash(kStretch[static_cast<std::size_t>(p)]) - p) <= 4);
 }
 
-TEST_CASE("A model goes where the bits are and is never certain") {
+TEST_CASE("A model goes where the bits are and is never certain", "[long]") {
   for (const bool bit : {false, true}) {
     BitModel model;
     for (int i = 0; i < 100'000; ++i) {

@@ -110,7 +110,7 @@ std::vector<BlockValues> blocks_of(const mapper::VoxelMap& map) {
 
 }  // namespace
 
-TEST_CASE("Blocks of every make come back, whole and in halves") {
+TEST_CASE("Blocks of every make come back, whole and in halves", "[long]") {
   tests::Random random(21);
   for (const BlockValues& values : blocks_of(*tests::random_map(21, 300))) REQUIRE(comes_back_in_parts(values));
   for (int i = 0; i < 20; ++i) REQUIRE(comes_back_in_parts(random_codes(random)));
@@ -149,7 +149,7 @@ TEST_CASE("Every other coding is chosen for some block, and one level takes one 
   CHECK(coded > mapped_blocks().size() / 2);
 }
 
-TEST_CASE("A half of whatever block fits, and a block is halved only beyond the limit") {
+TEST_CASE("A half of whatever block fits, and a block is halved only beyond the limit", "[long]") {
   tests::Random random(23);
   BlockPacker packer;
   BlockUnpacker unpacker;
@@ -187,7 +187,8 @@ TEST_CASE("A block does not depend on what was packed or unpacked before it") {
   }
 }
 
-TEST_CASE("Cut, prolonged and flipped bytes are refused or give a valid block, and what is refused changes nothing") {
+TEST_CASE("Cut, prolonged and flipped bytes are refused or give a valid block, and what is refused changes nothing",
+          "[long]") {
   tests::Random random(24);
   BlockUnpacker unpacker;
   std::set<UnpackError> reasons;

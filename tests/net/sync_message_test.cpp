@@ -229,7 +229,7 @@ TEST_CASE("the longest record fits a datagram of its own, whatever its numbers a
   }
 }
 
-TEST_CASE("a message that is cut off anywhere gives a fault, or what came before the cut", "[net]") {
+TEST_CASE("a message that is cut off anywhere gives a fault, or what came before the cut", "[net][long]") {
   tests::Random random(21);
   for (int round = 0; round < 3; ++round) {
     for (const Bytes& whole : messages_of_all_kinds(random)) {

@@ -89,7 +89,7 @@ TEST_CASE("the order of a frame's samples does not matter, to the last bit", "[m
   }
 }
 
-TEST_CASE("what was seen lately counts more than what was seen long ago", "[mapper][align]") {
+TEST_CASE("what was seen lately counts more than what was seen long ago", "[mapper][align][long]") {
   SurfaceMap map(small());
   for (int frame = 0; frame < 50; ++frame)
     map.add(wall(2.012F, -1.0F, 20000, 0.0, static_cast<std::uint64_t>(frame)), {});

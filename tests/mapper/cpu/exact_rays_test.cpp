@@ -88,7 +88,8 @@ TEST_CASE("searched rays give the map of walked ones, wherever the camera is and
   }
 }
 
-TEST_CASE("where the camera lies on the border of voxels all rays are ties, and are decided as the walk does") {
+TEST_CASE("where the camera lies on the border of voxels all rays are ties, and are decided as the walk does",
+          "[long]") {
   const hal::CameraModel camera = test::small_camera(120);
   const double half = std::sqrt(0.5);
   const std::array<std::array<double, 4>, 4> square{
@@ -108,7 +109,7 @@ TEST_CASE("where the camera lies on the border of voxels all rays are ties, and 
   }
 }
 
-TEST_CASE("searched rays give the map of walked ones on a simulated drive and on recordings") {
+TEST_CASE("searched rays give the map of walked ones on a simulated drive and on recordings", "[long]") {
   const test::Workload drive = test::simulated_drive("furnished_room", 6, 1.3, 0.0, 320);
   CHECK(searched(config_at(0.05F), drive) == walked(config_at(0.05F), drive));
   CHECK(searched(config_at(0.02F), test::thinned(drive, 3, 2)) == walked(config_at(0.02F), test::thinned(drive, 3, 2)));
@@ -146,7 +147,7 @@ TEST_CASE("every set of kernels searches alike, for any number of threads", "[th
   }
 }
 
-TEST_CASE("rays are searched where voxels are large enough, and the mapper's map does not depend on it") {
+TEST_CASE("rays are searched where voxels are large enough, and the mapper's map does not depend on it", "[long]") {
   const auto pays = [](int width_px, float resolution_m) {
     return ExactRays::pays(sensor_of(config_at(resolution_m), test::small_camera(width_px)));
   };

@@ -31,7 +31,7 @@ void check_against_plain(const MapperConfig& config, const test::Workload& work)
 
 }  // namespace
 
-TEST_CASE("projection block by block gives the map of projection voxel by voxel, on random images") {
+TEST_CASE("projection block by block gives the map of projection voxel by voxel, on random images", "[long]") {
   for (const float resolution_m : {0.05F, 0.11F}) {
     for (std::uint64_t seed = 30; seed < 34; ++seed) {
       MapperConfig config;
@@ -46,7 +46,7 @@ TEST_CASE("projection block by block gives the map of projection voxel by voxel,
   }
 }
 
-TEST_CASE("projection gives the plain map on simulated and recorded frames") {
+TEST_CASE("projection gives the plain map on simulated and recorded frames", "[long]") {
   const test::Workload simulated = test::simulated_drive("furnished_room", 4, 0.5, 3.0, 160);
   REQUIRE(simulated.frames.size() == 4);
   MapperConfig config;

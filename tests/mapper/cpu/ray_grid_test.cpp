@@ -86,13 +86,13 @@ TEST_CASE("what strays beyond the image's border is not left for a later frame",
   check_against_plain(config, test::simulated_drive("furnished_room", 2, 1.5, 21.0));
 }
 
-TEST_CASE("the exact rays agree with OctoMap on a simulated drive") {
+TEST_CASE("the exact rays agree with OctoMap on a simulated drive", "[long]") {
   const test::Workload work = test::simulated_drive("furnished_room", 6, 0.2, 2.0, 160);
   check_faithful(work, 0.05F);
   check_faithful(test::thinned(work, 3, 1), 0.02F);
 }
 
-TEST_CASE("the exact rays agree with OctoMap on real frames") {
+TEST_CASE("the exact rays agree with OctoMap on real frames", "[long]") {
   for (const char* name : {"rgbd_tum_fr1_rpy", "rgbd_3dmatch_couch_5"}) {
     const test::Workload work = test::thinned_recording(name, 3, 3, 8);
     if (work.frames.empty()) continue;  // the recording is not here

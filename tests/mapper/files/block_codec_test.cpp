@@ -47,7 +47,7 @@ TEST_CASE("A furnished room takes less than a quarter of a byte per known voxel"
   CHECK(bytes / static_cast<double>(map->counts().known()) < 0.25);
 }
 
-TEST_CASE("Spoiled and cut groups are refused or decode to valid blocks, never more") {
+TEST_CASE("Spoiled and cut groups are refused or decode to valid blocks, never more", "[long]") {
   const auto map = tests::random_map(96, 40);
   BlockEncoder encoder;
   const Bytes good = encoder.encode(map->sorted_keys(), *map);

@@ -50,7 +50,7 @@ struct View {
 
 }  // namespace
 
-TEST_CASE("a ray is found for every voxel that one passes and for no other") {
+TEST_CASE("a ray is found for every voxel that one passes and for no other", "[long]") {
   std::array<int, 3> count{};
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     hal::Pose pose = test::random_pose(seed);
