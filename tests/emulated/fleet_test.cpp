@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
 
 #include "tests/emulated/robot_machine.hpp"
 
@@ -19,11 +21,13 @@ std::vector<std::string> cable(const TempFolder& folder, int own) {
 }
 
 bool sees_the_other(Machine& machine) {
-  for (int i = 0; i < 30; ++i) {
+  const auto end = std::chrono::steady_clock::now() + kMoveLimit;
+  while (std::chrono::steady_clock::now() < end) {
     const std::size_t before = machine.console_size();
     machine.type("tell peers");
     const auto line = machine.await("\"robots\"", seconds(10), before);
     if (line && line->find("\"alive\"") != std::string::npos) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   return false;
 }

@@ -42,7 +42,8 @@ void cut_power_often(int cuts, unsigned seed) {
     REQUIRE(restored);
     fmt::print("start {}: {} versions known, {} had to be\n", cut + 1, *restored, durable);
     REQUIRE(*restored >= durable);
-    CHECK(machine.console(before).find("cannot be mounted") == std::string::npos);
+    // A robot that was cut off again and again before it was proven tries its other system, which is empty here.
+    CHECK(machine.console(before).find("cannot be mounted at /data") == std::string::npos);
     if (cut == cuts) break;
     // What is known now is on the disk a second of the robot's later; then the plug is pulled at any moment.
     std::this_thread::sleep_for(std::chrono::milliseconds(random() % 3000));

@@ -102,6 +102,7 @@ double RobotMachine::truth_of(const std::string& key) const { return number_afte
 double RobotMachine::driven_m() const { return truth_of("driven_m"); }
 double RobotMachine::turned_rad() const { return truth_of("turned_rad"); }
 double RobotMachine::speed_mps() const { return truth_of("speed_mps"); }
+double RobotMachine::told_mmps() const { return truth_of("told_mmps"); }
 
 bool RobotMachine::moves_within(std::chrono::seconds limit) const {
   const double driven_m_before = driven_m(), turned_rad_before = turned_rad();

@@ -50,6 +50,8 @@ class RobotMachine {
   [[nodiscard]] double driven_m() const;
   [[nodiscard]] double turned_rad() const;
   [[nodiscard]] double speed_mps() const;
+  /// By the last command that came to the base.
+  [[nodiscard]] double told_mmps() const;
   /// Until it has driven or turned by more than it had.
   [[nodiscard]] bool moves_within(std::chrono::seconds limit) const;
   /// Until it has stood for a second.
