@@ -25,6 +25,8 @@
 #include "hal/boot/wall_clock.hpp"
 #include "hal/image/file_bytes.hpp"
 #include "mapper/version.hpp"
+#include "net/fleet_key.hpp"
+#include "net/fleet_key_file.hpp"
 
 namespace g3d {
 namespace init {
@@ -145,11 +147,10 @@ void make_key(Machine& machine) {
   const std::vector<std::string>& arguments = machine.config.arguments;
   const auto found = std::find(arguments.begin(), arguments.end(), "--key");
   if (found == arguments.end() || found + 1 == arguments.end() || ::access((found + 1)->c_str(), F_OK) == 0) return;
-  hal::boot::ChildProcess maker;
-  const auto started = maker.start({machine.program, {"key", "--out", *(found + 1)}, {}});
-  int status = 0;
-  if (!started || ::waitpid(maker.pid(), &status, 0) < 0) return machine.speaker.say("no key could be made");
-  maker.on_end([&](std::string_view line) { machine.speaker.pass_on("key", line); });
+  const net::FleetKey keys = net::generate_fleet_key();
+  const auto written = net::write_fleet_key(*(found + 1), keys);
+  machine.speaker.say(written ? fmt::format("{}: a new key, fingerprint {}", *(found + 1), keys.key.fingerprint())
+                              : written.error().text);
 }
 
 /// The robot's own, then the system's, then the boot image's; one that is wrong is said, and the next one taken.

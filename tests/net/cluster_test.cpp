@@ -16,8 +16,8 @@ constexpr hal::TimeNs kClusterSecond_ns = 1'000'000'000;
 constexpr hal::TimeNs kSettled_ns = 10 * kClusterSecond_ns;
 
 /// Robots die, start anew, and are cut off, whatever the radio loses; then they are left in peace. In every group that
-/// is left, all follow the same leader. True: at the first look. The radio still loses a tenth, so that a contact may have
-/// lapsed at that very moment; then two more looks are had, a second apart.
+/// is left, all follow the same leader. True: at the first look. The radio still loses a tenth, so that a contact may
+/// have lapsed at that very moment; then two more looks are had, a second apart.
 bool check_leaders(std::uint64_t seed) {
   hal::SeededRandom random(seed);
   const auto robots = 1 + static_cast<std::uint32_t>(random.bits() % 6);
