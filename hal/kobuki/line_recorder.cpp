@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/image/atomic_file.hpp"
+
 namespace g3d::hal::kobuki {
 namespace {
 
@@ -12,12 +14,12 @@ constexpr std::size_t kHeader_bytes = sizeof(TimeNs) + sizeof(std::uint16_t);
 }  // namespace
 
 Result<std::unique_ptr<LineRecorder>> LineRecorder::create(const std::string& path) {
-  Result<RecordFile> file = RecordFile::create(path);
+  Result<AppendFile> file = AppendFile::create(path);
   if (!file) return file.error();
   return std::unique_ptr<LineRecorder>(new LineRecorder(std::move(file).value()));
 }
 
-LineRecorder::LineRecorder(RecordFile file) : file_(std::move(file)), writer_([this] { write_all(); }) {}
+LineRecorder::LineRecorder(AppendFile file) : file_(std::move(file)), writer_([this] { write_all(); }) {}
 
 LineRecorder::~LineRecorder() { (void)finish(); }
 
@@ -35,12 +37,10 @@ void LineRecorder::put(std::span<const std::uint8_t> bytes, TimeNs t_ns) {
 
 void LineRecorder::write_all() {
   Chunk chunk;
-  while (writer_waits_.wait([&] { return ring_.try_pop(chunk); })) {
-    if (!write_one(chunk)) lost_bytes_.fetch_add(chunk.size, std::memory_order_relaxed);
-  }
+  while (writer_waits_.wait([&] { return ring_.try_pop(chunk); })) write_one(chunk);
 }
 
-bool LineRecorder::write_one(const Chunk& chunk) {
+void LineRecorder::write_one(const Chunk& chunk) {
   std::array<std::uint8_t, kHeader_bytes + kChunk_bytes> record;
   for (std::size_t i = 0; i < sizeof(TimeNs); ++i) {
     record[i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(chunk.t_ns) >> (8 * i));
@@ -48,7 +48,10 @@ bool LineRecorder::write_one(const Chunk& chunk) {
   record[8] = static_cast<std::uint8_t>(chunk.size);
   record[9] = static_cast<std::uint8_t>(chunk.size >> 8);
   std::copy_n(chunk.bytes.begin(), chunk.size, record.begin() + kHeader_bytes);
-  return file_.append({record.data(), kHeader_bytes + chunk.size});
+  const int error = file_.append(std::span<const std::uint8_t>(record.data(), kHeader_bytes + chunk.size));
+  if (error == 0) return;
+  if (first_errno_ == 0) first_errno_ = error;
+  lost_bytes_.fetch_add(chunk.size, std::memory_order_relaxed);
 }
 
 Result<void> LineRecorder::finish() {
@@ -56,7 +59,9 @@ Result<void> LineRecorder::finish() {
     writer_waits_.stop();
     writer_.join();
   }
-  return file_.close();
+  if (const int error = file_.close(); first_errno_ == 0) first_errno_ = error;
+  if (first_errno_ != 0) return system_error(file_.path(), "the recording has a gap", first_errno_);
+  return {};
 }
 
 }  // namespace g3d::hal::kobuki

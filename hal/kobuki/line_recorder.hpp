@@ -13,7 +13,7 @@
 
 #include "hal/messages.hpp"
 #include "hal/parking.hpp"
-#include "hal/replay/record_file.hpp"
+#include "hal/record/append_file.hpp"
 #include "hal/result.hpp"
 #include "hal/ring.hpp"
 
@@ -21,7 +21,7 @@ namespace g3d::hal::kobuki {
 
 class LineRecorder {
  public:
-  /// Starts an empty file and the thread. Errors: those of RecordFile::create().
+  /// Starts an empty file and the thread. Errors: those of AppendFile::create().
   [[nodiscard]] static Result<std::unique_ptr<LineRecorder>> create(const std::string& path);
   ~LineRecorder();
   LineRecorder(const LineRecorder&) = delete;
@@ -44,11 +44,13 @@ class LineRecorder {
     std::array<std::uint8_t, kChunk_bytes> bytes{};
   };
 
-  explicit LineRecorder(RecordFile file);
+  explicit LineRecorder(AppendFile file);
   void write_all();
-  [[nodiscard]] bool write_one(const Chunk& chunk);
+  void write_one(const Chunk& chunk);
 
-  RecordFile file_;  // the writer's; after it was joined, of whoever ends
+  // The writer's; after it was joined, of whoever ends
+  AppendFile file_;
+  int first_errno_ = 0;
   Ring<Chunk> ring_{kChunks};
   Parking writer_waits_;
   std::atomic<std::uint64_t> lost_bytes_{0};

@@ -17,6 +17,8 @@
 #include <optional>
 #include <utility>
 
+#include "hal/linux/inet_socket.hpp"
+
 namespace g3d::hal {
 namespace {
 
@@ -27,14 +29,6 @@ std::optional<sockaddr_un> unix_address(const std::string& path) {
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) return std::nullopt;
   std::memcpy(address.sun_path, path.data(), path.size());
-  return address;
-}
-
-sockaddr_in ipv4_address(const Ipv4Endpoint& endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.ipv4);
-  address.sin_port = htons(endpoint.port);
   return address;
 }
 
@@ -70,7 +64,7 @@ int dial_path(const std::string& path) {
 
 int dial_place(const StreamPlace& place) {
   if (!place.is_tcp) return dial_path(place.path);
-  const sockaddr_in address = ipv4_address(place.endpoint);
+  const sockaddr_in address = system_address(place.endpoint);
   return dial_socket(AF_INET, reinterpret_cast<const sockaddr*>(&address), sizeof address);
 }
 
@@ -108,7 +102,7 @@ int listener_at(StreamPlace& place) {
   if (place.is_tcp) {
     const int one = 1;
     (void)::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
-    const sockaddr_in address = ipv4_address(place.endpoint);
+    const sockaddr_in address = system_address(place.endpoint);
     is_bound = ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
     sockaddr_in bound{};
     socklen_t size = sizeof bound;

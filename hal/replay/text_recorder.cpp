@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/image/atomic_file.hpp"
+
 namespace g3d::hal {
 
 Result<std::unique_ptr<TextRecorder>> TextRecorder::create(const std::string& path) {
-  Result<RecordFile> file = RecordFile::create(path);
+  Result<AppendFile> file = AppendFile::create(path);
   if (!file) return file.error();
   return std::unique_ptr<TextRecorder>(new TextRecorder(std::move(file).value()));
 }
 
-TextRecorder::TextRecorder(RecordFile file) : file_(std::move(file)), writer_([this] { write_all(); }) {}
+TextRecorder::TextRecorder(AppendFile file) : file_(std::move(file)), writer_([this] { write_all(); }) {}
 
 TextRecorder::~TextRecorder() { (void)finish(); }
 
@@ -30,7 +32,10 @@ void TextRecorder::put(std::string_view line) {
 void TextRecorder::write_all() {
   Line line;
   while (writer_waits_.wait([&] { return ring_.try_pop(line); })) {
-    if (!file_.append({line.text.data(), line.size})) lost_lines_.fetch_add(1, std::memory_order_relaxed);
+    const int error = file_.append(std::string_view(line.text.data(), line.size));
+    if (error == 0) continue;
+    if (first_errno_ == 0) first_errno_ = error;
+    lost_lines_.fetch_add(1, std::memory_order_relaxed);
   }
 }
 
@@ -39,7 +44,9 @@ Result<void> TextRecorder::finish() {
     writer_waits_.stop();
     writer_.join();
   }
-  return file_.close();
+  if (const int error = file_.close(); first_errno_ == 0) first_errno_ = error;
+  if (first_errno_ != 0) return system_error(file_.path(), "the recording has a gap", first_errno_);
+  return {};
 }
 
 }  // namespace g3d::hal

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "hal/parking.hpp"
-#include "hal/replay/record_file.hpp"
+#include "hal/record/append_file.hpp"
 #include "hal/result.hpp"
 #include "hal/ring.hpp"
 
@@ -22,7 +22,7 @@ class TextRecorder {
  public:
   static constexpr std::size_t kMaxLine_bytes = 95;
 
-  /// Starts an empty file and the thread. Errors: those of RecordFile::create().
+  /// Starts an empty file and the thread. Errors: those of AppendFile::create().
   [[nodiscard]] static Result<std::unique_ptr<TextRecorder>> create(const std::string& path);
   ~TextRecorder();
   TextRecorder(const TextRecorder&) = delete;
@@ -40,13 +40,15 @@ class TextRecorder {
   static constexpr std::size_t kLines = 8192;  // a second of a bus of 1 Mbit/s that is full of short frames, or nearly
   struct Line {
     std::uint8_t size = 0;
-    std::array<std::uint8_t, kMaxLine_bytes> text{};
+    std::array<char, kMaxLine_bytes> text{};
   };
 
-  explicit TextRecorder(RecordFile file);
+  explicit TextRecorder(AppendFile file);
   void write_all();
 
-  RecordFile file_;  // the writer's; after it was joined, of whoever ends
+  // The writer's; after it was joined, of whoever ends
+  AppendFile file_;
+  int first_errno_ = 0;
   Ring<Line> ring_{kLines};
   Parking writer_waits_;
   std::atomic<std::uint64_t> lost_lines_{0};

@@ -177,7 +177,6 @@ TEST_CASE("whatever happens, who hear each other in peace come to follow one lea
 TEST_CASE("the same in a hundred thousand schedules", "[net][cluster][.soak]") {
   int lapsed = 0;
   for (std::uint64_t seed = 1001; seed <= 101'000; ++seed) lapsed += check_leaders(seed) ? 0 : 1;
-  // Of some 350,000 robots so few had not heard another for a second and a half when they were looked at.
   CHECK(lapsed < 20);
   WARN(lapsed << " of 100,000 schedules were looked at while a contact had lapsed");
 }

@@ -76,6 +76,25 @@ TEST_CASE("behind half a line that cannot be cut off nothing follows until it ca
   CHECK(test::read_plain(folder / "list.txt") == "three\n");
 }
 
+TEST_CASE("a file that grows has one writer, who begins with nothing") {
+  const test::TempFolder folder;
+  test::write_plain(folder / "list.txt", "what was there before");
+  {
+    auto file = AppendFile::create(folder / "list.txt");
+    REQUIRE(file.ok());
+    CHECK(file.value().append("kept\n") == 0);
+    const auto second = AppendFile::create(folder / "list.txt");
+    REQUIRE_FALSE(second.ok());
+    CHECK(second.error().reason == hal::Reason::no_permission);
+    CHECK(second.error().text.find("another robot") != std::string::npos);
+    CHECK(test::read_plain(folder / "list.txt") == "kept\n");
+    CHECK(file.value().close() == 0);
+    CHECK(file.value().append("too late\n") == EBADF);
+    CHECK(AppendFile::create(folder / "list.txt").ok());
+  }
+  CHECK(AppendFile::create(folder / "list.txt").ok());
+}
+
 TEST_CASE("a file that cannot be made is named") {
   const auto file = AppendFile::create("/no/such/list.txt");
   REQUIRE_FALSE(file.ok());
