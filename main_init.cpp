@@ -18,6 +18,7 @@
 #include <ctime>
 
 #include "hal/boot/kernel_modules.hpp"
+#include "hal/boot/large_pages.hpp"
 #include "hal/boot/machine_id.hpp"
 #include "hal/boot/mounts.hpp"
 #include "hal/boot/network_card.hpp"
@@ -212,6 +213,7 @@ void start_machine(Machine& machine, const hal::Clock& clock) {
   const auto mounted = hal::boot::mount_kernel_filesystems();
   machine.speaker.say(fmt::format("g3dmap {} is the first process", mapper::version()));
   if (!mounted) machine.speaker.say(mounted.error().text);
+  (void)hal::boot::allow_large_pages();
   load_kernel_modules(machine);
   machine.speaker.say(machine.watchdog.open(kFirstWatchdog_s));
   mount_data(machine, clock);

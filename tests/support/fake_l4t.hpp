@@ -36,7 +36,9 @@ class FakeL4t {
          "echo \"image: $*\"\n"
          "while [ $# -gt 0 ]; do [ \"$1\" != --out ] || out=$2; shift; done\n"
          "mkdir -p \"$out\"; echo system >\"$out/system.img\"; echo initrd >\"$out/initrd.img\"\n"
-         "printf 'LABEL g3dmap\\n  LINUX /Image\\n  INITRD /initrd.img\\n' >\"$out/extlinux.conf\"\n");
+         "for file in extlinux choose; do\n"
+         "  printf 'LABEL g3dmap\\n  LINUX /Image\\n  INITRD /initrd.img\\n' >\"$out/$file.conf\"\n"
+         "done\n");
     tool(folder / "bin/id", "echo 0\n");
     tool(folder / "bin/lsusb", "exit 0\n");
     tool(folder / "bin/python3", "exit 0\n");

@@ -47,8 +47,10 @@ TEST_CASE("a TX2 is flashed from its user's own Linux_for_Tegra", "[system][flas
   }
   CHECK(read_plain(fake.l4t() + "/bootloader/g3dmap_system.img") == "system\n");
   CHECK(std::filesystem::file_size(fake.l4t() + "/bootloader/g3dmap_data.img") == 16U << 20);
-  CHECK(read_plain(out + "/boot/boot/extlinux/extlinux.conf") ==
-        "LABEL g3dmap\n  LINUX /boot/Image\n  INITRD /boot/initrd\n");
+  for (const char* file : {"extlinux.conf", "choose.conf"}) {
+    CHECK(read_plain(out + "/boot/boot/extlinux/" + file) ==
+          "LABEL g3dmap\n  LINUX /boot/Image\n  INITRD /boot/initrd\n");
+  }
   CHECK(read_plain(out + "/boot/boot/initrd") == "initrd\n");
   CHECK(read_plain(out + "/data/slots.state") ==
         "slots --state " + out + "/data/slots.state --first " + out + "/system.img\n");
