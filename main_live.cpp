@@ -60,8 +60,8 @@ std::optional<std::string> contradiction(const board::Board& board, const LiveOp
   if (!in_simulation && options.staging.battery_min > 0.0) return "--battery is for a simulated base";
   if (!in_simulation && !options.start.empty()) return "--start is for a simulated building";
   if (options.mapping.checkpoint_s > 0.0) return "--checkpoint is for a base station; a robot saves at the end";
-  if (has_fleet(board) && options.mapping.loops) {
-    return "--loops corrects the map of a robot that is alone so far; leave it out, or --key";
+  if (options.mapping.loops && board.network_keep != "none") {
+    return "--loops numbers the submaps that a robot shares by its way, --keep by its starts; leave one of them out";
   }
   if (options.record.starts_with('-')) return "--record needs the name of a new folder after it";
   if (!options.record.empty() && options.record == options.mapping.out_dir) {
@@ -151,7 +151,7 @@ int run_live(const LiveOptions& options, const std::string& command_line) {
   if (!camera) return bad_usage(camera.error().text);
   std::optional<FleetPlan> fleet;
   if (has_fleet(board)) {
-    auto plan = plan_fleet(board, true);
+    auto plan = plan_fleet(board, true, mapping.loops);
     if (!plan) return fail_as(plan.error());
     fleet = std::move(plan).value();
   }

@@ -145,6 +145,7 @@ hal::Result<void> LiveRun::begin(std::optional<Place> place, double rate_hz, std
     fleet_ = std::move(opened).value();
     robot_->share(fleet_->thread().view(),
                   [this](std::span<const std::uint32_t> slots) { fleet_->thread().note_changed(slots); });
+    if (robot_->loops() != nullptr) fleet_->share_submaps(*robot_->loops());
     robot_->join_team(team_link_);
     fleet_->speak_for(team_link_, robot_->status());
   }

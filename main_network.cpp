@@ -18,6 +18,8 @@ namespace g3d {
 namespace {
 
 constexpr std::size_t kMostFleetSubmaps = 64;
+/// Where robots share theirs, with --loops: some dozen each. What is not there has address space alone.
+constexpr std::size_t kMostLoopedSubmaps = 256;
 constexpr hal::TimeNs kFleetLook_ns = 50'000'000;
 /// So often in a row all have to hold the same: by then they have heard it from us as well.
 constexpr int kFleetSettled = 3;
@@ -68,7 +70,7 @@ hal::Result<void> set_network(const NetworkOptions& options, board::Board& board
   return {};
 }
 
-hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
+hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map, bool has_loops) {
   FleetPlan plan;
   const auto robot = robot_id(board);
   if (!robot) return robot.error();
@@ -106,7 +108,8 @@ hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map) {
   sharing.gossip.bandwidth_Bps = plan.radio_bandwidth_Bps + plan.broker_bandwidth_Bps;
   sharing.T_world_map = T_world_map(board);
   // Every start with --keep begins a submap.
-  sharing.most_submaps = kMostFleetSubmaps;
+  sharing.is_chain = has_loops;
+  sharing.most_submaps = has_loops || !has_map ? kMostLoopedSubmaps : kMostFleetSubmaps;
   // The board says where the map begins as well as somebody has measured it.
   if (has_map) sharing.refine.emplace();
   if (!has_map) {
@@ -161,6 +164,9 @@ Fleet::Fleet(FleetPlan plan, std::unique_ptr<net::UdpPort> port, std::unique_ptr
   };
   parts.on_round = [this](net::MapSharing& sharing, hal::TimeNs now_ns) {
     if (team_ != nullptr) team_->on_round(sharing, now_ns);
+    if (loops_ == nullptr || !sharing.is_chain_due(now_ns) || !loops_->try_borrow_chain()) return;
+    sharing.publish_chain(loops_->chain(), now_ns);
+    loops_->give_back_chain();
   };
   thread_ = std::make_unique<net::SharingThread>(plan.sharing, std::move(plan.keys), parts, std::move(kept));
 }
@@ -205,6 +211,7 @@ std::unique_ptr<net::MergedMap> Fleet::whole_map() const {
   options.grid = own_.grid();
   options.merged = own_.capacity();
   options.submap = own_.capacity();
+  options.most_submaps = kMostLoopedSubmaps;
   auto merged = std::make_unique<net::MergedMap>(options);
   merged->take_all(sharing.store());
   return merged;
@@ -234,6 +241,13 @@ void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, doub
   json.member("payload_bytes", sharing.store().payload_bytes());
   json.member("published_blocks", sharing.writer().counts().published_blocks);
   json.member("published_bytes", sharing.writer().counts().published_bytes);
+  if (loops_ != nullptr) {
+    const net::ChainCounts& chain = sharing.chain_writer().counts();
+    json.key("shared_submaps").begin_object().member("published", chain.published_submaps);
+    json.member("published_blocks", chain.published_blocks).member("published_bytes", chain.published_bytes);
+    json.member("published_poses", chain.published_poses).member("retracted", chain.retracted_submaps);
+    json.member("refused", chain.refused_submaps).end_object();
+  }
   json.member("sent_bytes", status.radio.sent_bytes).member("sent_Bps", rate(status.radio.sent_bytes));
   json.member("received_bytes", status.radio.received_bytes);
   json.member("stored_records", status.gossip.stored_records);

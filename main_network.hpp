@@ -14,6 +14,7 @@
 #include "hal/result.hpp"
 #include "main_commands.hpp"
 #include "mapper/json_writer.hpp"
+#include "mapper/submaps/driving_loops.hpp"
 #include "mapper/voxel_map.hpp"
 #include "net/fleet_key.hpp"
 #include "net/mqtt_port.hpp"
@@ -38,8 +39,9 @@ struct FleetPlan {
   net::SharingThreadOptions sharing;
   std::string keep;  ///< folder for what is to survive a restart; empty: nothing is
 };
-/// Reads the key, and the login for a broker. Errors: bad_usage, and those of these files.
-[[nodiscard]] hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map);
+/// Reads the key, and the login for a broker. `has_loops`: what is shared are submaps. Errors: bad_usage, and those of
+/// these files.
+[[nodiscard]] hal::Result<FleetPlan> plan_fleet(const board::Board& board, bool has_map, bool has_loops = false);
 
 class Fleet {
  public:
@@ -50,6 +52,8 @@ class Fleet {
 
   /// A robot's threads speak with the others of its team by way of this. All outlive it. Before start().
   void speak_for(nav::TeamLink& link, const hal::Latest<nav::LiveStatus>& status);
+  /// What this robot shares are its submaps: for a plan with `has_loops`. They outlive it. Before start().
+  void share_submaps(const mapper::submaps::DrivingLoops& loops) { loops_ = &loops; }
   void start() { thread_->start(); }
   /// Goes on sharing until all that are in reach hold what we have, but no longer than so many seconds.
   void settle(double most_s, const std::function<bool()>& is_given_up);
@@ -78,6 +82,7 @@ class Fleet {
   std::unique_ptr<net::MqttPort> broker_;  ///< nullptr: none
   net::PortMux mux_;                       ///< of port_, then broker_
   std::unique_ptr<net::TeamPart> team_;    ///< nullptr: a base station, which drives nowhere
+  const mapper::submaps::DrivingLoops* loops_ = nullptr;
   std::unique_ptr<net::SharingThread> thread_;
 };
 

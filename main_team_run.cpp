@@ -155,8 +155,9 @@ void Team::advance() {
     if (member->talk.on_time(word, member->state(), now_ns_)) {
       member->robot.on_team(net::in_map(member->talk.sight(), T_world_map), now_ns_);
     }
-    if (const auto* loops = member->robot.loops(); loops != nullptr && loops->is_chain_at_rest()) {
+    if (const auto* loops = member->robot.loops(); loops != nullptr && loops->try_borrow_chain()) {
       member->sharing.publish_chain(loops->chain(), now_ns_);
+      loops->give_back_chain();
     }
     const auto slots = member->sharing.on_time(now_ns_);
     if (!slots.empty()) member->robot.on_shared(slots, now_ns_);

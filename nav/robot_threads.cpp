@@ -192,15 +192,17 @@ void RobotThreads::integrate(JudgedFrame& judged) {
   if (!poses_.try_push({frame.stamp_ns, judged.sight.T_world_camera})) ++lost_poses_;
   if (parts_.on_mapped) parts_.on_mapped(note, &frame == &whole ? nullptr : &frame);
 
-  if (note_changed_) note_changed_(mapper_.changed_slots());
   shown_ = judged;
   showing_ = Showing::frame;
   hand_over();
   add_time(Stage::hand_over, mapped_ns);
-  if (loops_ == nullptr) return;
-  const hal::TimeNs loops_start_ns = parts_.clock.now();
-  loops_->add(frame, placing_.last(), placing_.aligner()->samples(), mapper_.changed_slots());
-  add_time(Stage::loops, loops_start_ns);
+  if (loops_ != nullptr) {
+    const hal::TimeNs loops_start_ns = parts_.clock.now();
+    loops_->add(frame, placing_.last(), placing_.aligner()->samples(), mapper_.changed_slots());
+    add_time(Stage::loops, loops_start_ns);
+  }
+  // Last: what is shared ahead of the submaps is withdrawn when they know it, unless it was noted there before.
+  if (note_changed_) note_changed_(mapper_.changed_slots());
 }
 
 void RobotThreads::hand_over() {
@@ -307,7 +309,11 @@ void RobotThreads::take_map(hal::TimeNs now) {
     }
     navigator_.on_frame(pool_[shown_.frame_index], config_.robot.camera, shown_.sight.T_world_base, now);
   } else {
-    navigator_.on_map_moving(mapper_.map(), moved_slots_);
+    if (shared_ == nullptr) {
+      navigator_.on_map_moving(mapper_.map(), moved_slots_);
+    } else {
+      navigator_.on_map_moving(shared_->map(), shared_->on_own(mapper_.map(), moved_slots_));
+    }
     if (showing_ == Showing::map_has_moved) navigator_.on_map_moved(loops_->move(), now);
   }
   navigators_turn_.store(false, std::memory_order_release);

@@ -86,8 +86,8 @@ class RobotThreads {
   RobotThreads& operator=(const RobotThreads&) = delete;
 
   /// From now on it drives by this, which outlives its threads; used by the navigator's thread alone, while the map is
-  /// its own. `note_changed` is told of every frame's changed slots, by the mapper's thread. Before start(), and not
-  /// with loops.
+  /// its own. `note_changed` is told of every frame's changed slots, by the mapper's thread; with loops not of
+  /// what a correction has moved: that loops()->chain() says. Before start().
   void share(SharedSight& shared, std::function<void(std::span<const std::uint32_t> slots)> note_changed) {
     shared_ = &shared;
     note_changed_ = std::move(note_changed);

@@ -27,6 +27,7 @@ struct ChainCounts {
   std::uint64_t retracted_submaps = 0;
   std::uint64_t refused_records = 0;  ///< no room in the store; tried again in the next round
   std::uint64_t refused_submaps = 0;  ///< more than a layer may have, less one for what is newer than the chain
+  [[nodiscard]] bool operator==(const ChainCounts&) const = default;
 };
 
 class ChainWriter {

@@ -70,7 +70,7 @@ void MapSharing::close() {
 }
 
 void MapSharing::publish_chain(const mapper::submaps::SubmapChain& chain, hal::TimeNs now_ns) {
-  if (now_ns - chain_published_ns_ < options_.round_ns) return;
+  if (!is_chain_due(now_ns)) return;
   chain_published_ns_ = now_ns;
   (void)chain_writer_.publish_round(chain, placement_, bytes_per_round(), now_ns);
   const std::uint64_t begun = chain_writer_.counts().published_submaps;

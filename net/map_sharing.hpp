@@ -59,6 +59,10 @@ class MapSharing {
   /// Where our layer is a chain: what it is by now, while nobody works on it. Not what a correction has changed in the
   /// map: that the chain tells. note_changed() is for frames alone.
   void publish_chain(const mapper::submaps::SubmapChain& chain, hal::TimeNs now_ns);
+  /// Nothing happens before.
+  [[nodiscard]] bool is_chain_due(hal::TimeNs now_ns) const {
+    return options_.is_chain && now_ns - chain_published_ns_ >= options_.round_ns;
+  }
   void on_message(const Sender& from, mapper::ByteSpan message, hal::TimeNs now_ns) {
     gossip_.on_message(from, message, now_ns);
   }

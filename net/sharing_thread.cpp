@@ -149,7 +149,10 @@ void SharingThread::tell(hal::TimeNs now_ns) {
   brief.is_told = all_hold_the_same && writer.published_blocks == told_writer_.published_blocks &&
                   writer.refused_blocks == told_writer_.refused_blocks &&
                   writer.put_off_blocks == told_writer_.put_off_blocks;
+  const ChainCounts& chain = sharing_.chain_writer().counts();
+  brief.is_told = brief.is_told && sharing_.chain_writer().is_up_to_date() && chain == told_chain_;
   told_writer_ = writer;
+  told_chain_ = chain;
   brief.layers = store.layer_count();
   brief.records = store.record_count();
   brief.payload_bytes = store.payload_bytes();

@@ -126,6 +126,7 @@ class SharingThread {
   FleetStatus status_;
   hal::Latest<SharingBrief> brief_;
   WriterCounts told_writer_;  // at the last tell()
+  ChainCounts told_chain_;
   hal::TimeNs told_ns_ = 0;
 
   mapper::StageTimes round_times_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapper/submaps/driving_loops.hpp"
 
+#include <thread>
 #include <utility>
 
 namespace g3d::mapper::submaps {
@@ -34,7 +35,8 @@ void DrivingLoops::add(const hal::Frame& frame, const align::AlignResult& placed
   sketch_.add(frame, placed.T_world_camera);
   const bool is_full =
       chain_.add_frame(frame.stamp_ns, placed.T_world_camera, changed_slots, samples, placed.is_held());
-  if (!is_full || errand_.is_busy() || !end_stretch()) return;
+  if (!is_full || errand_.is_busy() || !chain_lease_.try_take()) return;
+  if (!end_stretch()) return chain_lease_.give_back();
   asked_ns_ = frame.stamp_ns;
   errand_.start([this] { search(); });
 }
@@ -58,7 +60,10 @@ bool DrivingLoops::begins_to_move(hal::TimeNs stamp_ns) {
 // What was seen since the question goes along with what was seen right before it.
 bool DrivingLoops::take_answer() {
   errand_.take();
-  if (placed_ == nullptr) return false;
+  if (placed_ == nullptr) {
+    chain_lease_.give_back();
+    return false;
+  }
   has_fresh_ = end_stretch();
   phase_ = Phase::preparing;
   errand_.start([this] { prepare(); });
@@ -85,7 +90,10 @@ std::span<const std::uint32_t> DrivingLoops::move_on() {
     if (!errand_.is_done()) return {};
     errand_.take();
     phase_ = phase_ == Phase::preparing ? Phase::moving : Phase::mapping;
-    if (phase_ == Phase::mapping) return {};
+    if (phase_ == Phase::mapping) {
+      chain_lease_.give_back();
+      return {};
+    }
   }
   const auto slots = view_move_.go_on();
   if (view_move_.is_done()) {
@@ -108,10 +116,16 @@ void DrivingLoops::finish() {
     errand_.wait();
     if (take_answer()) move_to_the_end();
   }
-  if (!end_stretch()) return;
+  take_chain();
+  if (!end_stretch()) return chain_lease_.give_back();
   errand_.start([this] { search(); });
   errand_.wait();
   if (take_answer()) move_to_the_end();
+}
+
+// Who has borrowed it gives it back within milliseconds, and nothing is driven by the map any more.
+void DrivingLoops::take_chain() {
+  while (!chain_lease_.try_take()) std::this_thread::yield();
 }
 
 CloserReport DrivingLoops::report() const {

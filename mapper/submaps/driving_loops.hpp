@@ -20,6 +20,7 @@
 #include <span>
 
 #include "hal/errand.hpp"
+#include "hal/lease.hpp"
 #include "hal/messages.hpp"
 #include "mapper/align/aligner.hpp"
 #include "mapper/submaps/chain_move.hpp"
@@ -71,9 +72,12 @@ class DrivingLoops {
   }
   /// After finish().
   [[nodiscard]] CloserReport report() const;
+  /// By whom it may be read: who has borrowed it, and anybody after finish().
   [[nodiscard]] const SubmapChain& chain() const { return chain_; }
-  /// Nobody works on the chain beside: it may be read now.
-  [[nodiscard]] bool is_chain_at_rest() const { return !is_moving() && !errand_.is_busy(); }
+  /// Any thread. True: nobody works on the chain, and nobody begins to until give_back_chain(). It is for milliseconds:
+  /// a submap that is due meanwhile is begun with the next frame.
+  [[nodiscard]] bool try_borrow_chain() const { return chain_lease_.try_take(); }
+  void give_back_chain() const { chain_lease_.give_back(); }
 
  private:
   enum class Phase : std::uint8_t {
@@ -89,6 +93,7 @@ class DrivingLoops {
   [[nodiscard]] bool end_stretch();
   [[nodiscard]] bool take_answer();
   void move_to_the_end();
+  void take_chain();
   // Beside
   void search();
   void prepare();
@@ -103,6 +108,7 @@ class DrivingLoops {
   ViewMove view_move_;
   ChainMove move_;
   Phase phase_ = Phase::mapping;
+  mutable hal::Lease chain_lease_;  ///< ours from a question until its answer is dealt with
   hal::TimeNs asked_ns_ = 0;
   bool has_fresh_ = false;                 ///< a stretch since the question
   std::unique_ptr<PlacedSubmaps> placed_;  ///< the search's answer: nothing if all stays where it is

@@ -26,26 +26,25 @@ void Stretch::clear() {
 }
 
 StretchRecorder::StretchRecorder(const VoxelMap& view, const ChainOptions& options)
-    : view_(view), options_(options), is_noted_(view.capacity().blocks, 0), surfaces_(stretch_surfaces()) {
+    : view_(view), options_(options), is_noted_(view.capacity().blocks), surfaces_(stretch_surfaces()) {
   changed_slots_.reserve(is_noted_.size());
   passed_.reserve(kMostFrames);
 }
 
 void StretchRecorder::note(std::uint32_t slot) {
-  if (is_noted_[slot] != 0) return;
-  is_noted_[slot] = 1;
+  if (is_noted_[slot].exchange(true, std::memory_order_relaxed)) return;
   changed_slots_.push_back(slot);
 }
 
 bool StretchRecorder::add_frame(hal::TimeNs stamp_ns, const hal::Pose& T_world_camera,
                                 std::span<const std::uint32_t> changed_slots,
                                 std::span<const align::DepthSample> samples, bool is_held) {
-  if (!has_begun_) {
-    has_begun_ = true;
+  if (!has_begun_.load(std::memory_order_relaxed)) {
     // What was known before the first frame: the place where the robot stands.
     for (std::uint32_t slot = 0; slot < view_.slot_end(); ++slot) {
       if (view_.header(slot).key != VoxelMap::kNoKey) note(slot);
     }
+    has_begun_.store(true, std::memory_order_release);
     last_camera_ = T_world_camera;
     last_ns_ = stamp_ns;
   }
@@ -85,7 +84,7 @@ bool StretchRecorder::take(Stretch& into) {
 
   BlockValues values;
   for (const std::uint32_t slot : changed_slots_) {
-    is_noted_[slot] = 0;
+    is_noted_[slot].store(false, std::memory_order_relaxed);
     const BlockKey key = view_.header(slot).key;
     if (!view_.read_stored_block(key, values)) continue;
     [[maybe_unused]] const bool fits = into.blocks.write_block(key, values);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes a submap: all that was mapped on a stretch of the way. It is noted frame by frame which blocks of the
 // view have changed; at the end of the stretch they are copied out, so that the next one can begin at once and whoever
-// makes a submap of them needs the view no more. Thread: the view's writer. After construction nothing allocates.
+// makes a submap of them needs the view no more. Thread: the view's writer, but for is_noted(). After construction
+// nothing allocates.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -50,8 +52,10 @@ class StretchRecorder {
   bool take(Stretch& into);
   [[nodiscard]] bool is_empty() const { return passed_.empty(); }
   /// Whether a block of the view has changed since the last stretch, or was known before the first frame: nobody else
-  /// knows it.
-  [[nodiscard]] bool is_noted(std::uint32_t slot) const { return !has_begun_ || is_noted_[slot] != 0; }
+  /// knows it. Any thread.
+  [[nodiscard]] bool is_noted(std::uint32_t slot) const {
+    return !has_begun_.load(std::memory_order_acquire) || is_noted_[slot].load(std::memory_order_relaxed);
+  }
 
  private:
   void note(std::uint32_t slot);
@@ -67,9 +71,9 @@ class StretchRecorder {
   const VoxelMap& view_;
   ChainOptions options_;
   std::vector<std::uint32_t> changed_slots_;
-  std::vector<std::uint8_t> is_noted_;  ///< by slot
+  std::vector<std::atomic<bool>> is_noted_;  ///< by slot
   std::unique_ptr<align::SurfaceMap> surfaces_;
-  bool has_begun_ = false;
+  std::atomic<bool> has_begun_{false};
   std::vector<Passed> passed_;  ///< frames of this stretch
   hal::Pose last_camera_;
   hal::TimeNs last_ns_ = 0;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nav/robot_threads.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <functional>
 #include <mutex>
 #include <string>
+#include <thread>
 
 #include "hal/progress_board.hpp"
 #include "hal/sim/load_world.hpp"
@@ -253,22 +257,28 @@ TEST_CASE("a robot that was never started stops, and one that was stopped is not
   CHECK_FALSE(live.robot.camera_has_ended());
 }
 
+namespace {
+
+/// Submaps after a part of a turn, and every loop is worth a move: so that there are some within seconds.
+void has_many_loops(RobotConfig& config) {
+  config.align.emplace();
+  config.align->surface.slots = std::size_t{1} << 16;
+  config.loops.emplace();
+  config.loops->chain = {.most_way_m = 0.5, .most_turn_rad = 0.7, .most_s = 1.0};
+  config.loops->answer_after_ns = 0;
+  config.loops->most_blocks_per_frame = 20;
+  mapper::submaps::CloserOptions& closer = config.loops->closer;
+  closer.finder.least_age = 1;
+  closer.finder.most_candidates = 4;
+  closer.finder.most_apart_m = closer.most_off_m = 0.5;
+  closer.finder.most_apart_rad = closer.most_off_rad = 0.5;
+  closer.least_move_m = closer.least_turn_rad = 0.0;
+}
+
+}  // namespace
+
 TEST_CASE("in threads, the map is put right while the robot stands, and every frame is accounted for", "[threads]") {
-  // Submaps after a part of a turn, and every loop is worth a move: so that there are some within seconds.
-  Live live(16.0, [](RobotConfig& config) {
-    config.align.emplace();
-    config.align->surface.slots = std::size_t{1} << 16;
-    config.loops.emplace();
-    config.loops->chain = {.most_way_m = 0.5, .most_turn_rad = 0.7, .most_s = 1.0};
-    config.loops->answer_after_ns = 0;
-    config.loops->most_blocks_per_frame = 20;
-    mapper::submaps::CloserOptions& closer = config.loops->closer;
-    closer.finder.least_age = 1;
-    closer.finder.most_candidates = 4;
-    closer.finder.most_apart_m = closer.most_off_m = 0.5;
-    closer.finder.most_apart_rad = closer.most_off_rad = 0.5;
-    closer.least_move_m = closer.least_turn_rad = 0.0;
-  });
+  Live live(16.0, has_many_loops);
   live.place.frame_period_ns = 30 * kMs;
   live.robot.start();
   const auto moved = [&] { return live.robot.frames().dropped[static_cast<std::size_t>(hal::DropReason::map_moving)]; };
@@ -303,6 +313,44 @@ struct EchoSight final : SharedSight {
 };
 
 }  // namespace
+
+TEST_CASE("submaps are lent to who shares them, and the map is put right all the same", "[threads]") {
+  EchoSight sight;
+  Live live(16.0, has_many_loops);
+  live.place.frame_period_ns = 30 * kMs;
+  live.robot.share(sight, [](std::span<const std::uint32_t>) {});
+  const mapper::submaps::DrivingLoops* const loops = live.robot.loops();
+  REQUIRE(loops != nullptr);
+  live.robot.start();
+  std::atomic<bool> is_over{false};
+  std::size_t submaps = 0;
+  std::uint64_t times = 0;
+  std::uint64_t noted = 0;
+  std::thread borrower([&] {
+    while (!is_over.load()) {
+      if (loops->try_borrow_chain()) {
+        const mapper::submaps::SubmapChain& chain = loops->chain();
+        submaps = std::max(submaps, chain.submaps().size());
+        for (const mapper::submaps::Submap& submap : chain.submaps()) times += submap.last_ns > submap.first_ns ? 1 : 0;
+        for (std::uint32_t slot = 0; slot < chain.view().slot_end(); ++slot) {
+          noted += chain.recorder().is_noted(slot) ? 1 : 0;
+        }
+        loops->give_back_chain();
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  const auto moved = [&] { return live.robot.frames().dropped[static_cast<std::size_t>(hal::DropReason::map_moving)]; };
+  CHECK(live.becomes_true([&] { return moved() > 3; }));
+  live.robot.stop();
+  is_over.store(true);
+  borrower.join();
+  CHECK(loops->report().corrections > 0);
+  CHECK(live.robot.frames().balanced());
+  CHECK(submaps > 1);
+  CHECK(times > 0);
+  CHECK(noted > 0);
+}
 
 TEST_CASE("in threads, a robot that shares drives by what it is shown, and every frame's changes are told",
           "[threads]") {

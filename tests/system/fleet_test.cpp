@@ -140,6 +140,45 @@ TEST_CASE("robots and a base station in processes of their own end with one map,
   CHECK_FALSE(contains(read_plain(fleet.report(3)), "00000000000000a0"));
 }
 
+TEST_CASE("robots that correct their maps share submaps, and all end with one map", "[system][fleet][waits]") {
+  const FleetProcesses fleet;
+  Program station(g3dmap_path(), fleet.station());
+  const auto looped = [&](int number) {
+    std::vector<std::string> all = fleet.robot(number, "100");
+    all.insert(all.end(), {"--drift", "1", "--odometry", "aligned", "--loops"});
+    return all;
+  };
+  Program one(g3dmap_path(), looped(1));
+  Program two(g3dmap_path(), looped(2));
+  CHECK(fleet.says(0, id_of(1)));
+  CHECK(fleet.says(0, id_of(2)));
+  // Each looks round first, and that makes a submap; the rest becomes another one at the end.
+  std::this_thread::sleep_for(std::chrono::seconds(15));
+  one.send(SIGINT);
+  two.send(SIGINT);
+  for (Program* robot : {&one, &two}) {
+    const ProgramResult result = robot->finish(std::chrono::seconds(60));
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+  }
+  station.send(SIGINT);
+  CHECK(station.finish(std::chrono::seconds(60)).exit_code == 0);
+  const std::string hash = report_text(fleet.report(0), "merged_hash");
+  for (const int number : {1, 2}) {
+    CHECK(report_text(fleet.report(number), "merged_hash") == hash);
+    CHECK(report_number(fleet.report(number), "published") >= 2);
+    CHECK(report_number(fleet.report(number), "published_poses") >= 2);
+  }
+  // More than either has seen.
+  const auto merged = mapper::read_any_map(fleet.out(0) + "/map.g3d");
+  REQUIRE(merged);
+  for (const int number : {1, 2}) {
+    const auto own = mapper::read_any_map(fleet.out(number) + "/map.g3d");
+    REQUIRE(own);
+    CHECK(merged.value().map->counts().known() > own.value().map->counts().known());
+  }
+}
+
 TEST_CASE("a robot that is killed leaves its map with the base station, which saves it meanwhile",
           "[system][fleet][waits]") {
   const FleetProcesses fleet;
@@ -215,7 +254,7 @@ TEST_CASE("bad usage of a fleet is exit code 2", "[system][fleet][usage]") {
       {"--key", key, "--peer", "127.0.0.1:0"},
       {"--key", key, "--peer", "300.0.0.1:7177"},
       {"--key", key, "--settle", "-1"},
-      {"--key", key, "--odometry", "aligned", "--loops"},
+      {"--key", key, "--keep", fleet.folder / "kept", "--odometry", "aligned", "--loops"},
   };
   const std::vector<std::vector<std::string>> stations{
       {},
