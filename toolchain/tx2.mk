@@ -42,5 +42,8 @@ TESTED ?= $(addprefix tests/,board/% hal/image/% hal/replay/% mapper/align/% map
 # What an emulator of single programs cannot show: the helper, which is started from memory by execveat() (the host's kernel
 # refuses another machine's program), and what the host's /proc/cpuinfo says.
 NOT_TESTED := $(addprefix tests/mapper/,cuda/helper/% cuda/helper_% cuda/card_keeper_% cuda/ask_grid_% cpu/pick/amd64_%)
+# What it does not pass on: multicast options of sockets, ptrace(), the heap's end, and populating memory in advance.
+NOT_TESTED += $(addprefix tests/,fleet/datagram_relay_% fleet/relayed_gossip_% net/udp_port_% mapper/pool_% \
+  $(addprefix hal/,boot/frozen_thread_% boot/network_keeper_% linux/heap_room_% linux/multicast_group_% linux/udp_socket_% linux/watchdog_%))
 RUNNER_CXX := $(CXX)
 RUNNER_OBJ := $(BUILD)/runner/main.o
