@@ -18,8 +18,9 @@ namespace g3d {
 namespace {
 
 constexpr std::size_t kMostFleetSubmaps = 64;
-/// Where robots share theirs, with --loops: some dozen each. What is not there has address space alone.
-constexpr std::size_t kMostLoopedSubmaps = 256;
+/// Where robots share theirs, with --loops: at most 64 each before old ones are joined. What is not there has address
+/// space alone, but of that some kernels give a process no more than 512 GB.
+constexpr std::size_t kMostLoopedSubmaps = 192;
 constexpr hal::TimeNs kFleetLook_ns = 50'000'000;
 /// So often in a row all have to hold the same: by then they have heard it from us as well.
 constexpr int kFleetSettled = 3;
