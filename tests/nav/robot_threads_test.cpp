@@ -277,7 +277,8 @@ void has_many_loops(RobotConfig& config) {
 
 }  // namespace
 
-TEST_CASE("in threads, the map is put right while the robot stands, and every frame is accounted for", "[threads]") {
+TEST_CASE("in threads, the map is put right while the robot stands, and every frame is accounted for",
+          "[threads][slow]") {
   Live live(16.0, has_many_loops);
   live.place.frame_period_ns = 30 * kMs;
   live.robot.start();
