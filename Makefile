@@ -5,8 +5,9 @@ include $(TOOLCHAIN)
 .DEFAULT_GOAL := all
 
 BUILD ?= build/host
-# Lines for debuggers and stack traces; to write them takes a tenth of the compiler's time.
-DEBUG ?= -g1
+# -g1: lines for debuggers, a tenth of the compiler's time. In a BUILD folder of its own, as precompiled headers want the
+# same options from all who use them.
+DEBUG ?= -g0
 OPT ?= -O2 $(DEBUG)
 # Tests are not what we measure: to optimise most of them takes longer than to run them.
 TEST_OPT ?= -O1 $(DEBUG)
