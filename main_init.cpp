@@ -18,6 +18,7 @@
 #include <ctime>
 
 #include "hal/boot/kernel_modules.hpp"
+#include "hal/boot/kernel_setting.hpp"
 #include "hal/boot/large_pages.hpp"
 #include "hal/boot/machine_id.hpp"
 #include "hal/boot/mounts.hpp"
@@ -136,11 +137,7 @@ void mount_system(Machine& machine, const std::string& forced) {
 void link_gpu_libraries() {
   if (::access("/system/gpu/lib", F_OK) != 0) return;
   (void)::symlink("/system/gpu/lib", "/lib");
-  const int path = ::open("/sys/module/firmware_class/parameters/path", O_WRONLY | O_CLOEXEC);
-  if (path < 0) return;
-  constexpr std::string_view kFirmware = "/system/gpu/firmware";
-  (void)!::write(path, kFirmware.data(), kFirmware.size());
-  ::close(path);
+  (void)hal::boot::set_kernel("/sys/module/firmware_class/parameters/path", "/system/gpu/firmware");
 }
 
 /// A robot that has no fleet's key yet is a fleet of its own: what it has mapped is kept for it, as for others.

@@ -32,7 +32,8 @@ StretchRecorder::StretchRecorder(const VoxelMap& view, const ChainOptions& optio
 }
 
 void StretchRecorder::note(std::uint32_t slot) {
-  if (is_noted_[slot].exchange(true, std::memory_order_relaxed)) return;
+  if (is_noted_[slot].load(std::memory_order_relaxed)) return;
+  is_noted_[slot].store(true, std::memory_order_relaxed);
   changed_slots_.push_back(slot);
 }
 

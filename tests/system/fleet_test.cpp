@@ -77,6 +77,16 @@ struct FleetProcesses {
     }
     return false;
   }
+  [[nodiscard]] bool has_turned(int number, double turned_rad) const {
+    const std::string name = "\"turned_rad\": ";
+    for (int i = 0; i < 3000; ++i) {
+      const auto status = hal::ask_control_socket(out(number) + "/control", "status");
+      const std::size_t at = status.ok() ? status.value().find(name) : std::string::npos;
+      if (at != std::string::npos && std::stod(status.value().substr(at + name.size())) >= turned_rad) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
   TempFolder folder;
   int first_port;
 };
@@ -153,7 +163,7 @@ TEST_CASE("robots that correct their maps share submaps, and all end with one ma
   CHECK(fleet.says(0, id_of(1)));
   CHECK(fleet.says(0, id_of(2)));
   // Each looks round first, and that makes a submap; the rest becomes another one at the end.
-  std::this_thread::sleep_for(std::chrono::seconds(15));
+  for (const int number : {1, 2}) REQUIRE(fleet.has_turned(number, 7.0));
   one.send(SIGINT);
   two.send(SIGINT);
   for (Program* robot : {&one, &two}) {

@@ -5,12 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
+
+#include "hal/lease.hpp"
 
 namespace g3d::hal::kinect::openni {
 namespace {
 
-std::atomic<bool> is_held{false};
+Lease openni_lease;
 
 }  // namespace
 
@@ -22,7 +23,7 @@ std::string openni_error() {
 }
 
 Result<std::unique_ptr<Session>> Session::begin(Driver driver, ImageSink& tap, const Clock& clock) {
-  if (is_held.exchange(true)) {
+  if (!openni_lease.try_take()) {
     return Error{Reason::no_capacity, "another part of this program has a Kinect or an .oni file open already"};
   }
   const std::uint64_t exceptions = driver_exceptions();
@@ -31,7 +32,7 @@ Result<std::unique_ptr<Session>> Session::begin(Driver driver, ImageSink& tap, c
     // What it began has to be ended, or the next try would find it begun.
     const std::string why = driver_exceptions() != exceptions ? last_driver_exception() : openni_error();
     ::openni::OpenNI::shutdown();
-    is_held.store(false);
+    openni_lease.give_back();
     return Error{Reason::unsupported,
                  fmt::format("the Kinect's driver could not start: {}; is there USB on this machine?", why)};
   }
@@ -42,7 +43,7 @@ Result<std::unique_ptr<Session>> Session::begin(Driver driver, ImageSink& tap, c
 Session::~Session() {
   set_image_tap(nullptr, nullptr);
   ::openni::OpenNI::shutdown();
-  is_held.store(false);
+  openni_lease.give_back();
 }
 
 }  // namespace g3d::hal::kinect::openni

@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 
-using namespace g3d::hal;
+#include "tests/support/under_sanitizer.hpp"
 
-extern "C" __attribute__((weak)) void __asan_init();
-extern "C" __attribute__((weak)) void __tsan_init();
+using namespace g3d::hal;
 
 namespace {
 
@@ -60,7 +59,7 @@ int use_heap_room() {
 }  // namespace
 
 TEST_CASE("Room for the heap is there at once, is used, and stays", "[heap_room]") {
-  if (&__asan_init != nullptr || &__tsan_init != nullptr) return;  // their heap is not the system's
+  if (g3d::test::is_under_sanitizer()) return;  // their heap is not the system's
   // In a process of its own: the other tests keep the heap that they know.
   const pid_t child = ::fork();
   REQUIRE(child >= 0);

@@ -10,14 +10,12 @@
 #include <fstream>
 #include <string>
 
+#include "tests/support/under_sanitizer.hpp"
+
 using namespace g3d::hal;
 
-// There in a program under a sanitizer, whose mlockall() does nothing.
-extern "C" __attribute__((weak)) void __asan_init();
-extern "C" __attribute__((weak)) void __tsan_init();
-
 TEST_CASE("The program's memory is locked, or it says which limit is in the way", "[memory_lock]") {
-  if (&__asan_init != nullptr || &__tsan_init != nullptr) return;
+  if (g3d::test::is_under_sanitizer()) return;
   // In a process of its own: the rest of the tests has other wishes.
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
