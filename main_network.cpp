@@ -219,6 +219,13 @@ std::unique_ptr<net::MergedMap> Fleet::whole_map() const {
 }
 
 std::string Fleet::warning() const {
+  if (const std::uint64_t refused = thread_->sharing().others().counts().refused_submaps; refused > 0) {
+    return fmt::format(
+        "this robot has no room for more than {} submaps of others, and was told {} times of one more: it has not "
+        "driven "
+        "by these; give --loops to all robots or to none",
+        thread_->sharing().others().submap_count(), refused);
+  }
   const std::size_t others = net::layers_of_other_grids(thread_->status());
   if (others == 0) return {};
   return fmt::format(
@@ -254,6 +261,7 @@ void Fleet::write(mapper::JsonWriter& json, const std::string& merged_hash, doub
   json.member("stored_records", status.gossip.stored_records);
   json.member("superseded_records", status.gossip.superseded_records);
   json.member("refused_records", status.gossip.refused_records);
+  json.member("refused_submaps", sharing.others().counts().refused_submaps);
   json.member("refused_blocks", sharing.others().counts().refused_blocks + thread_->view_refused_blocks());
   json.member("round_p50_us", thread_->round_times().percentile_us(0.5));
   json.member("round_p99_us", thread_->round_times().percentile_us(0.99));

@@ -123,7 +123,7 @@ void DrivingLoops::finish() {
   if (take_answer()) move_to_the_end();
 }
 
-// Who has borrowed it gives it back within milliseconds, and nothing is driven by the map any more.
+// Who has borrowed it gives it back within a round of sharing, and nothing is driven by the map any more.
 void DrivingLoops::take_chain() {
   while (!chain_lease_.try_take()) std::this_thread::yield();
 }

@@ -74,8 +74,8 @@ class DrivingLoops {
   [[nodiscard]] CloserReport report() const;
   /// By whom it may be read: who has borrowed it, and anybody after finish().
   [[nodiscard]] const SubmapChain& chain() const { return chain_; }
-  /// Any thread. True: nobody works on the chain, and nobody begins to until give_back_chain(). It is for milliseconds:
-  /// a submap that is due meanwhile is begun with the next frame.
+  /// Any thread. True: nobody works on the chain, and nobody begins to until give_back_chain(). For a part of a second
+  /// at most: a submap that is due meanwhile is begun with the next frame.
   [[nodiscard]] bool try_borrow_chain() const { return chain_lease_.try_take(); }
   void give_back_chain() const { chain_lease_.give_back(); }
 
